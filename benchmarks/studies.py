@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -23,7 +24,7 @@ WALL = Path(__file__).parents[1] / "examples" / "wall1.toml"
 STUB = "def stub(x):\n    return {'peak_multiplier': 2.0 * x['a']}\n"
 
 STUDY = """
-model = "{model}"
+model = "wall1.toml"
 design = "random"
 samples = {n}
 [[parameter]]
@@ -46,6 +47,7 @@ def run(text: str, folder: Path, workers: int) -> dict[str, float]:
     """A study in a process of its own: seconds in all, start-up, rate, busy share, memory."""
     folder.mkdir()
     (folder / "stub_of_benchmark.py").write_text(STUB)
+    shutil.copy(WALL, folder)
     file = folder / "study.toml"
     file.write_text(text)
     done = subprocess.run(
@@ -93,7 +95,7 @@ def main() -> None:
     print(f"load before: {os.getloadavg()[0]:.2f}")
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        text = STUDY.format(model=WALL.as_posix(), n=asked.curves)
+        text = STUDY.format(n=asked.curves)
         print("| processes | curves | start-up [s] | curves/s | busy | s/curve | driver [MiB] |")
         print("|---|---|---|---|---|---|---|")
         rates = []

@@ -57,6 +57,21 @@ def tutorials() -> None:
                         target / f"{name}_model.png"], check=True)  # fmt: skip
 
 
+def of_the_study() -> None:
+    """Curves and effects of the tutorial on studies: its study file, run."""
+    page = (HERE / "tutorials" / "study.md").read_text(encoding="utf-8")
+    study = page.split("<!-- file: friction.toml -->\n```toml\n")[1].split("```")[0]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "friction.toml"
+        file.write_text(study, encoding="utf-8")
+        shutil.copy(EXAMPLES / "first_wall.toml", file.with_name("wall.toml"))
+        out = file.with_name("out")
+        for more in ([], ["--sample", "30"]):
+            subprocess.run(["drystone", "study", file, "--out", out, *more], check=True)
+        for picture in (out / "bands.png", out / "tornado.png", out / "sample_30/mechanism.png"):
+            shutil.copy(picture, IMAGES / "tutorials" / f"study_{picture.name}")
+
+
 def of_laboratories() -> None:
     """Measured walls beside computed ones, in few colours: what `drystone benchmark laboratory`
     draws."""
@@ -138,6 +153,7 @@ def main() -> None:
     for name in ("wall1", "facade"):
         example(name, arguments.engine)
     tutorials()
+    of_the_study()
     bias()
     of_laboratories()
 

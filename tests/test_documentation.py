@@ -39,6 +39,7 @@ SLOW = {
     "docs/reference/viewer.md",
     "docs/tutorials/certificate.md",
     "docs/tutorials/dxf-to-verdict.md",
+    "docs/tutorials/study.md",
     "docs/tutorials/tied-facade.md",
 }
 
@@ -176,12 +177,17 @@ def test_commands_within_sentences_and_tables_have_options_that_there_are():
 
 
 def problems(text: str, dimension: int) -> list[str]:
-    """What the check of model files finds in a part of one, but for what is missing."""
+    """What the check of model files or studies finds in a part of one, but for what is missing."""
     from drystone.io.modelfile.schema import ModelSection
+    from drystone.studies.schema import StudySection
 
-    data = {"dimension": dimension, **tomllib.loads(text)}
+    data = tomllib.loads(text)
     try:
-        ModelSection.model_validate(data, context={"dimension": dimension})
+        if isinstance(data.get("model"), str):  # the path of one: a study file
+            StudySection.model_validate(data)
+        else:
+            data = {"dimension": dimension, **data}
+            ModelSection.model_validate(data, context={"dimension": dimension})
     except ValidationError as error:
         return [str(one) for one in error.errors() if one["type"] != "missing"]
     return []
@@ -194,6 +200,11 @@ def test_parts_of_model_files_have_keys_that_there_are():
             if of_model and "project" not in tomllib.loads(block.text):
                 found = [problems(block.text, dimension) for dimension in (2, 3)]
                 assert [] in found, f"{name_of(page)}, line {block.line}: {found}"
+
+
+def test_a_wrong_key_of_a_study_is_found():
+    study = 'model = "wall.toml"\n[[parameter]]\npath = "joint.cohesion"\nvalues = [1.0]\n'
+    assert not problems(study, 2) and problems(study.replace("values", "value"), 2)
 
 
 def test_a_wrong_key_is_found():

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import drystone as ds
-from drystone.studies import figures, fragility
+from drystone.studies import figures, fragility, indices
 from drystone.studies.errors import StudyError
+from drystone.studies.read import read_study
 from drystone.studies.sample import resampled
 from studied import written
 
@@ -52,6 +54,20 @@ def test_sobol_indices_are_the_published_ones_within_their_confidence(tmp_path):
     assert (tmp_path / "out" / "indices.png").stat().st_size > 5000
 
 
+def test_intervals_of_indices_follow_from_the_seed_alone(tmp_path):
+    """Whatever else draws numbers meanwhile; the indices themselves follow from the samples."""
+    asked = read_study(written(tmp_path, ISHIGAMI.replace("1024", "64")))
+    values = np.random.default_rng(5).random(asked.count)
+    first = indices.sobol(asked, values)
+    np.random.seed(99)
+    assert indices.sobol(asked, values) == first
+    other = replace(asked, task=replace(asked.task, seed=2))
+    again = indices.sobol(other, values)
+    for name, own in first["parameters"].items():
+        assert again["parameters"][name]["total"] == own["total"]
+        assert again["parameters"][name]["total_confidence"] != own["total_confidence"]
+
+
 def test_morris_effects_of_a_linear_function_are_its_slopes(tmp_path):
     text = ISHIGAMI.replace(":ishigami", ":linear").replace("saltelli", "morris")
     text = text.replace("1024", "10").replace("second_order = true", "")
@@ -60,6 +76,22 @@ def test_morris_effects_of_a_linear_function_are_its_slopes(tmp_path):
     found = record(tmp_path / "out")["indices"]["y"]["parameters"]
     assert [found[k]["mu_star"] for k in "abc"] == pytest.approx([6.0, 2.0, 0.0], abs=1e-9)
     assert [found[k]["sigma"] for k in "abc"] == pytest.approx([0.0] * 3, abs=1e-9)
+    assert [found[k]["mu_star_confidence"] for k in "abc"] == pytest.approx([0.0] * 3, abs=1e-9)
+
+
+def test_morris_intervals_hold_the_mean_absolute_effect(tmp_path):
+    """Known from a hundred times as many trajectories; two half intervals are four deviations."""
+    text = ISHIGAMI.replace("saltelli", "morris").replace("second_order = true", "")
+    many, few = (text.replace("1024", str(n)) for n in (4000, 40))
+    for name, own in (("many", many), ("few", few)):
+        ds.study(written(tmp_path, own), out=tmp_path / name, workers=1, figures=name == "few")
+    found, known = (
+        record(tmp_path / name)["indices"]["y"]["parameters"] for name in ("few", "many")
+    )
+    for name in "abc":
+        apart = abs(found[name]["mu_star"] - known[name]["mu_star"])
+        assert 0.0 < apart < 2.0 * found[name]["mu_star_confidence"]
+    assert (tmp_path / "few" / "indices.png").stat().st_size > 5000
 
 
 def test_base_samples_with_a_failure_are_left_out_of_indices(tmp_path):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import random
 import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -162,3 +164,25 @@ def test_what_was_half_written_is_computed_again(tmp_path):
     ds.study(file, out=tmp_path / "torn", workers=1, figures=False, resume=True)
     assert_same(tmp_path / "whole", tmp_path / "torn")
     assert len(rows(tmp_path / "torn")) == 20
+
+
+DRIVER = """
+import resource, sys
+from pathlib import Path
+from drystone.studies.conduct import conduct
+from drystone.studies.read import read_study
+conduct(read_study(sys.argv[1]), Path(sys.argv[2]), workers=1)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is counted in other units")
+def test_the_process_that_conducts_1e5_samples_takes_300_mebibytes(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "100000"))
+    done = subprocess.run(
+        [sys.executable, "-c", DRIVER, str(file), str(tmp_path / "out")],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert float(done.stdout) < 300.0
+    assert len(rows(tmp_path / "out")) == 100_000

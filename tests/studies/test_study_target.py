@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import math
+import random
+import shutil
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 import drystone as ds
+from drystone.studies import target
 from drystone.studies.errors import StudyError
 from studied import written
 
@@ -42,6 +47,15 @@ def test_runs_are_kept(tmp_path):
     pd.testing.assert_frame_equal(first, again)
 
 
+def test_a_search_that_runs_out_of_runs_says_how_far_it_is(tmp_path):
+    text = LINE.replace(":line", ":step").replace("value = 3.0", "value = 3.0\n    most_runs = 5")
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["status"] == "stopped" and found["n_runs"] == 5
+    assert "stopped after 5 runs, with 0 at a = " in found["sentence"]
+    assert " and 5 at " in found["sentence"]
+
+
 def test_where_no_value_does_a_sentence_says_so(tmp_path):
     ds.study(written(tmp_path, LINE.replace("value = 3.0", "value = 21.0")), out=tmp_path / "out")
     found = record(tmp_path / "out")
@@ -58,8 +72,51 @@ def test_a_jump_over_the_value_is_no_answer(tmp_path):
     found = record(tmp_path / "out")
     assert found["status"] == "jump" and found["value"] is None
     a, b = found["jump_at"]
-    assert a < 4.0 <= b and b - a < 1e-4
-    assert found["sentence"].startswith("y jumps over 3: it is 0 at a = 4")
+    assert a < 4.0 <= b and b - a <= 2e-6 * 10.0
+    assert found["sentence"].startswith("y jumps over 3: it is 0 at a = ")
+
+
+def searched(output, tolerance=1e-3):
+    """What a search of 0 to 10 for an output of 3 finds, and its runs."""
+    runs = Tried(output)
+    try:
+        return target._root(runs, (0.0, 10.0), 3.0, tolerance, 10.0), runs
+    except target._JumpError as jump:
+        return jump.bracket, runs
+
+
+class Tried:
+    """Runs of a function, as a search knows them."""
+
+    def __init__(self, output):
+        self.output, self.known = output, {}
+        self.output_at(0.0), self.output_at(10.0)
+
+    def output_at(self, x):
+        return self.known.setdefault(x, self.output(x))
+
+    def pairs(self):
+        return sorted(self.known.items())
+
+
+def test_a_jump_is_located_in_twelve_runs():
+    """Two ends, and nine halvings to 10/512, which is within plus or minus 1e-3 of the range."""
+    chance = random.Random(3)
+    for _ in range(200):
+        place, low, high = chance.uniform(0, 10), chance.uniform(0, 2.9), chance.uniform(3.1, 6)
+        slope = chance.uniform(-0.05, 0.05) * (high - low) / 10.0
+        found, runs = searched(
+            lambda x, p=place, a=low, b=high, s=slope: (b if x >= p else a) + s * (x - p)
+        )
+        a, b = found
+        assert a < place <= b and b - a <= 0.02 and len(runs.known) <= 12
+
+
+@pytest.mark.parametrize("width", [0.03, 0.3, 3.0])
+def test_what_is_steep_is_no_jump(width):
+    """3 + tanh((x - 10/3)/width) has the value, however steep it is beside the range."""
+    found, runs = searched(lambda x: 3.0 + math.tanh((x - 10 / 3) / width))
+    assert found == pytest.approx(10 / 3, rel=1e-3) and len(runs.known) <= 14
 
 
 def test_an_unknown_output_says_the_nearest(tmp_path):
@@ -132,3 +189,80 @@ def test_the_tie_force_for_safety_index_1_is_that_of_the_closed_form(tmp_path):
     found = record(tmp_path / "out")
     assert found["value"] == pytest.approx(force, rel=1e-3)
     assert found["n_runs"] <= 12
+
+
+#: The block again: what else than a force may be looked for, by its place in the model file.
+LEVER = """
+    path = ["tie.rod.from.point[2]", "tie.rod.to.point[2]"]
+    name = "height of the tie"
+    range = [0.5, 3.0]
+"""
+TOP = """
+    path = "dead_load.roof.weight"
+    range = [1e3, 30e3]
+"""
+ROOF = """
+    [[model.dead_load]]
+    kind = "surcharge"
+    mass = false
+    name = "roof"
+    block = "wall"
+    point = "top"
+    weight = 1e3
+    [target]"""
+
+
+@pytest.mark.parametrize(
+    ("parameter", "peak", "value"),
+    [
+        # lambda W h/2 = W b/2 + T z, with T = 500 N
+        (LEVER, 0.15, (0.15 * 6000.0 * 1.5 - 6000.0 * 0.05) / 500.0),
+        # lambda W h/2 = (W + P) b/2 + T z: the roof has no mass
+        (TOP, 0.25, (0.25 * 6000.0 * 1.5 - 500.0 * 2.5) / 0.05 - 6000.0),
+    ],
+    ids=["tie height", "surcharge"],
+)
+def test_other_parameters_are_those_of_the_closed_form(tmp_path, parameter, peak, value):
+    text = BLOCK.replace('outputs = ["curve", "assess"]', "").replace("5e3", "500.0")
+    text = text[: text.index("    [[target.parameter]]")] + "    [[target.parameter]]" + parameter
+    text = text.replace('"safety_index"', '"peak_multiplier"').replace(
+        "= 1.0\n    [[t", f"= {peak}\n    [[t"
+    )
+    if parameter is TOP:
+        text = text.replace("    [target]", ROOF, 1)
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["value"] == pytest.approx(value, rel=1e-3)
+    assert found["n_runs"] <= 12
+
+
+FACADE = """
+    model = "facade_tie.toml"
+    outputs = ["curve", "assess"]
+    [target]
+    output = "safety_index"
+    value = 1.5
+    [[target.parameter]]
+    path = "tie.catena.yield_force"
+    range = [{low}, {high}]
+"""
+MODEL = Path(__file__).parents[1] / "cases" / "facade_tie.toml"
+
+
+@pytest.mark.slow
+def test_the_tie_of_a_facade_is_found_in_twelve_runs(tmp_path):
+    """9.0 kN; from 13.8 kN on another mechanism takes over, and the index falls at once."""
+    shutil.copy(MODEL, tmp_path)
+    text = FACADE.format(low=1e3, high=20e3)
+    ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    found = record(tmp_path / "out")
+    assert found["status"] == "finished" and found["n_runs"] <= 12
+    assert found["reached"] == pytest.approx(1.5, abs=1e-3)
+    text = FACADE.format(low=10e3, high=60e3)
+    ds.study(written(tmp_path, text, "jump.toml"), out=tmp_path / "jump", figures=False)
+    found = record(tmp_path / "jump")
+    assert found["status"] == "jump" and found["n_runs"] <= 12
+    a, b = found["jump_at"]
+    assert 10e3 < a < b < 20e3 and b - a <= 2e-3 * 50e3
+    outputs = dict(map(tuple, found["curve"]))
+    assert outputs[a] > 1.5 > outputs[b]

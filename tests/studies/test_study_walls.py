@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +11,7 @@ import pandas as pd
 import pytest
 
 import drystone as ds
+from drystone.model.assembly import Block, Corner
 from drystone.model.builders import coursed_wall
 from drystone.studies.errors import StudyError
 from drystone.studies.imperfections import imperfect
@@ -73,6 +75,26 @@ def test_rows_are_those_of_pushover(study, tmp_path):
     assert len(own) == 16
     assert own["control_displacement"].iloc[-1] == curve.control_displacement[-1]
     assert (tmp_path / "out" / "bands.png").exists()
+
+
+def test_directions_and_control_blocks_are_parameters(study, tmp_path):
+    """A grid of both: what is no number stands in its column as JSON."""
+    text = STUDY[: STUDY.index("[[parameter]]")].replace(', "limit"', "")
+    text = text.replace('"lhs"', '"grid"').replace("samples = 4", "")
+    for path, values in (
+        ("load.direction", [[1.0, 0.0], [-1.0, 0.0]]),
+        ("control.block", ["c4u1", "c4u2"]),
+    ):
+        text += f"    [[parameter]]\n    path = '{path}'\n    values = {json.dumps(values)}\n"
+    frame = ds.study(study(text), out=tmp_path / "out", workers=1, figures=False)
+    assert frame["load.direction"].tolist() == ["[1.0, 0.0]"] * 2 + ["[-1.0, 0.0]"] * 2
+    for row in frame.to_dict("records"):
+        data = tomllib.loads(WALL)
+        data["load"]["direction"] = json.loads(row["load.direction"])
+        data["control"] = {"block": row["control.block"]}
+        (tmp_path / "one.json").write_text(json.dumps(data))
+        curve = ds.pushover(ds.read_model(tmp_path / "one.json"), progress=False)
+        assert row["peak_displacement"] == curve.peak.control_displacement
 
 
 def test_imperfect_walls_are_the_same_whatever_the_workers_and_run_again_alone(study, tmp_path):
@@ -140,18 +162,74 @@ def test_missing_and_loose_blocks_are_as_many_as_asked():
     assert one.vertices.max(axis=0) == pytest.approx([0.59, 0.19])
 
 
-def test_worn_corners_overlap_nothing():
+def test_worn_corners_overlap_nothing_and_leave_joints_where_they_are():
     before = {block.id: block.vertices for block in blocks()}
     for block in imperfect(blocks(), Imperfection(vertices=0.002), 1)[1:]:
-        old = before[block.id]
-        assert (block.vertices >= old.min(axis=0)).all()
-        assert (block.vertices <= old.max(axis=0)).all()
-        assert (block.vertices != old).any()
+        old, new = before[block.id], block.vertices
+        assert len(new) == 8  # two of each corner, one on each of its edges
+        low, high = old.min(axis=0), old.max(axis=0)
+        assert ((new >= low) & (new <= high)).all()
+        assert (((new == low) | (new == high)).sum(axis=1) == 1).all()
+
+
+def test_outlines_that_run_clockwise_are_worn_as_the_others():
+    drawn = [Block(id=b.id, vertices=b.vertices[::-1], unit_weight=1.0) for b in blocks()[1:]]
+    for block in imperfect(drawn, Imperfection(vertices=0.002), 1):
+        assert len(block.vertices) == 8 and block.figure().volume > 0.0
+    line = Block(id="line", vertices=[[0, 0], [1, 0], [2, 0]], unit_weight=1.0)
+    with pytest.raises(StudyError, match='block "line": the outline encloses no area'):
+        imperfect([line], Imperfection(vertices=0.002), 1)
+
+
+def test_corners_that_are_rounded_off_by_more_stay():
+    """A right corner of radius r takes off what a cut of r (2 - sqrt 2) does."""
+    kept = 0.02 * (2.0 - 2.0**0.5)
+    sharp = imperfect(blocks(), Imperfection(vertices=0.01), 1)
+    rounded = imperfect(blocks(), Imperfection(vertices=0.01), 1, Corner(radius=0.02))
+    cuts = [abs(block.vertices[k] - block.vertices[k + 1]).max()
+            for block in sharp[1:] for k in range(0, 8, 2)]  # fmt: skip
+    left = sum(len(block.vertices) - 4 for block in rounded[1:])
+    assert 0 < left == sum(cut > kept for cut in cuts) < len(cuts)
+    with pytest.raises(StudyError, match="chamfer: take one of them"):
+        imperfect(blocks(), Imperfection(vertices=0.01), 1, Corner(chamfer=0.02))
+
+
+ALONE = (
+    HEAD.replace("0.65", "2.0").replace("1e8", "1e12").replace("1e11", "1e12")
+    + """
+[[block]]
+id = "base"
+vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+support = true
+[[block]]
+id = "b1"
+vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 1.0], [-0.2, 1.0]]
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+[analysis]
+max_displacement = 0.02
+"""
+)
+
+
+def test_a_block_turns_about_its_worn_toe(tmp_path):
+    """Peak: from the centre of mass to the toe, over the height of the centre of mass."""
+    (tmp_path / "wall.toml").write_text(ALONE)
+    text = STUDY.replace("unit_sizes = 0.05", "vertices = 0.02").replace(', "limit"', "")
+    text = text[: text.index("[[parameter]]")] + text[text.index("[imperfection]") :]
+    file = written(tmp_path, text.replace('"lhs"', '"random"'))
+    frame = ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    designed = ds.read_model(tmp_path / "wall.toml")
+    base, block = designed.assembly.blocks
+    for seed, peak in zip(frame["seed"], frame["peak_multiplier"], strict=True):
+        _, own = imperfect([base, block], Imperfection(vertices=0.02), seed)
+        centre = own.figure().centroid
+        toe = own.vertices[own.vertices[:, 1] == 0.0][:, 0].max()
+        assert toe < 0.2 and peak == pytest.approx((toe - centre[0]) / centre[1], rel=1e-3)
 
 
 def test_uneven_units_are_of_courses():
-    from drystone.model.assembly import Block
-
     leaning = Block(id="a", vertices=[[0, 0], [1, 0], [1.2, 1], [0, 1]], unit_weight=1.0)
     with pytest.raises(StudyError, match="courses of rectangles"):
         imperfect([leaning], Imperfection(unit_sizes=0.1), 1)

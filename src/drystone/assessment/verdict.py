@@ -208,6 +208,13 @@ def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:
     return replace(verdict, assessment=answer)
 
 
+def severity(verdict: Verdict) -> tuple[bool, float]:
+    """What senses of a load are put in order by, the one that governs first: one that fails comes
+    before those that hold, then by the safety index."""
+    index = verdict.safety_index
+    return verdict.satisfied is not False, float("inf") if index is None else index
+
+
 def sense_words(name: str) -> str:
     """The name of a sense of the load, as files have it, for people."""
     keys = {"along the load": "sense.along", "against the load": "sense.against"}

@@ -108,14 +108,10 @@ def worst(senses: Sequence[Sense]) -> Sense:
 
     One without a verdict never does.
     """
-    known = [sense for sense in senses if sense.verdict is not None]
+    from drystone.assessment.verdict import severity
 
-    def rank(sense: Sense) -> tuple[bool, float]:
-        assert sense.verdict is not None
-        index = sense.verdict.safety_index
-        return sense.verdict.satisfied is not False, float("inf") if index is None else index
-
-    return min(known, key=rank) if known else senses[0]
+    known = [(severity(sense.verdict), sense) for sense in senses if sense.verdict is not None]
+    return min(known, key=lambda one: one[0])[1] if known else senses[0]
 
 
 def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None) -> list[Sense]:

@@ -181,11 +181,14 @@ def report(found: dict[str, Any], folder: Path) -> str:
     lines.append(f"  {'samples':<22} {found['n_samples']} by {found['design']}: {counts}")
     if found.get("n_certified") is not None:
         lines.append(f"  {'certified':<22} {found['n_certified']} of {found['n_samples']}")
-    for name, summary in list(found["columns"].items())[:8]:
+    for name in found["effects"]:
+        summary = found["columns"][name]
         lines.append(
             f"  {printable(name):<22} median {summary['median']:.5g}, 5 % to 95 % "
             f"{summary['p05']:.5g} to {summary['p95']:.5g}"
         )
+    lines += [line for name, own in (found.get("indices") or {}).items() if own
+              for line in _of_indices(printable(name), own["parameters"])]  # fmt: skip
     for one in found.get("fragility", []):
         if one.get("median") is not None:
             lines.append(
@@ -195,3 +198,19 @@ def report(found: dict[str, Any], folder: Path) -> str:
             )
     lines.append(f"  {'results':<22} {folder}/")
     return "\n".join(lines)
+
+
+def _of_indices(output: str, parameters: dict[str, Any]) -> list[str]:
+    """Indices of an output, each with half its 95 % interval."""
+    from drystone.model.construction.words import printable
+
+    words = {"first": "first", "total": "total", "mu_star": "mean absolute effect"}
+    lines = [f"  indices of {output}"]
+    for name, own in parameters.items():
+        told = [
+            f"{words[key]} {own[key]:.3g} ± {own[f'{key}_confidence']:.2g}"
+            for key in words
+            if key in own
+        ]
+        lines.append(f"    {printable(name):<20} {', '.join(told)}")
+    return lines

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,24 @@ MOST_CURVES, DRAWN = 4000, 60
 #: Samples that a scatter shows.
 MOST_POINTS = 4000
 _BLUE, _RED, _GREEN = canvas.CURVE_COLOURS[:3]
+#: What tells red from blue in print without colours.
+_HATCH = "////"
+#: Lines of several curves, likewise.
+_STYLES = ("-", "--", "-.", ":")
+#: Letters of a line of a title.
+_LINE = 72
+#: Columns by their words and units, where there are any.
+_WORDS = {
+    "peak_multiplier": "peak multiplier [-]",
+    "peak_multiplier_against": "peak multiplier against the load [-]",
+    "ultimate_displacement": "ultimate displacement [m]",
+    "capacity_multiplier": "multiplier before collapse [-]",
+    "limit_associative": "limit analysis, associative [-]",
+    "limit_non_associative": "limit analysis, non-associative [-]",
+    "safety_index": "safety index [-]",
+    "safety_index_against": "safety index against the load [-]",
+    "governing_safety_index": "governing safety index [-]",
+}
 
 
 def draw_all(asked: Study, folder: Path, found: Mapping[str, Any]) -> list[str]:
@@ -81,8 +101,9 @@ def bands(folder: Path, title: str) -> Any:
         axes.plot(d, m, color=canvas.FAINT, lw=0.4, alpha=0.5)
     if len(displacement) > 2:
         at, (low, middle, high) = bands_of(displacement, multiplier)
+        of = f"{len(displacement):,}"
         axes.fill_between(at, low, high, color=_BLUE, alpha=0.22, lw=0, label="5 % to 95 %")
-        axes.plot(at, middle, color=_BLUE, lw=1.8, label="median")
+        axes.plot(at, middle, color=_BLUE, lw=1.8, label=f"median of {of} curves")
         axes.set_xlim(0.0, at[-1])
         axes.legend(fontsize=9, frameon=False)
     axes.set_ylim(bottom=min(0.0, float(np.quantile(multiplier, 0.01))))
@@ -106,7 +127,16 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
         middle = found["columns"][name]["mean"]
         for y, (_, one) in enumerate(ordered):
             for key, colour in (("low", _BLUE), ("high", _RED)):
-                axes.barh(y, one[key] - middle, left=middle, height=0.6, color=colour)
+                axes.barh(
+                    y,
+                    one[key] - middle,
+                    left=middle,
+                    height=0.6,
+                    color=colour,
+                    hatch=_HATCH if key == "high" else None,
+                    edgecolor="white",
+                    lw=0,
+                )
                 right = one[key] >= middle
                 axes.annotate(
                     f"{one[f'{key}_value']:.4g}", (one[key], y), fontsize=7.5, va="center",
@@ -116,10 +146,10 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
         axes.axvline(middle, color=canvas.INK, lw=0.8)
         axes.set_yticks(range(len(ordered)), [canvas.literal(label) for label, _ in ordered])
         axes.margins(x=0.12)
-        axes.set_xlabel(canvas.literal(f"mean {name}"), fontsize=9)
+        axes.set_xlabel(f"mean {_words(name)}", fontsize=9)
         canvas.plain_axes(axes)
-    about = "means where a parameter is in its lowest (blue) and its highest (red) tenth"
-    figure.suptitle(f"{canvas.literal(title)}\n{about}", fontsize=10)
+    about = "means where a parameter is in its lowest (blue) and highest (red, hatched) tenth"
+    figure.suptitle(f"{_title(title)}\n{about}", fontsize=10)
     return figure
 
 
@@ -142,14 +172,18 @@ def indices(found: Mapping[str, Any], title: str) -> Any:
             errors = [row[f"{key}_confidence"] for row in rows]
             label = {"first": "first order", "total": "total", "mu_star": "mean absolute effect"}
             axes.bar(place + 0.36 * offset, values, width=0.34, color=colour, label=label[key],
+                     hatch=_HATCH if offset else None, edgecolor="white", lw=0,
                      yerr=errors, error_kw={"lw": 1.0, "capsize": 3})  # fmt: skip
         if not sobol:
-            axes.plot(place, [row["sigma"] for row in rows], "D", color=_RED, label="deviation")
+            axes.plot(
+                place, [row["sigma"] for row in rows], "D", color=_RED, label="deviation of effects"
+            )
         axes.set_xticks(place + (0.18 if sobol else 0.0), list(map(canvas.literal, names)))
-        axes.set_ylabel(canvas.literal(name), fontsize=9)
-        axes.legend(fontsize=8, frameon=False)
+        what = "index" if sobol else "effect over the range"
+        axes.set_ylabel(f"{what}:\n{_words(name)}", fontsize=9)
+        axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0))
         canvas.plain_axes(axes)
-    figure.suptitle(canvas.literal(title), fontsize=11)
+    figure.suptitle(f"{_title(title)}\nbars: 95 % confidence", fontsize=11)
     return figure
 
 
@@ -166,7 +200,7 @@ def scatter(folder: Path, title: str) -> Any:
     figure = canvas.new_figure(6.2, 4.8)
     axes = figure.add_subplot()
     axes.plot(frame["ultimate_displacement"], frame["peak_multiplier"], "o", ms=3,
-              color=_BLUE, alpha=0.35, mew=0)  # fmt: skip
+              color=_BLUE, alpha=0.8 if len(frame) < 400 else 0.35, mew=0)  # fmt: skip
     axes.set_xlabel("ultimate displacement [m]")
     axes.set_ylabel("peak multiplier")
     _titled(axes, title)
@@ -182,11 +216,11 @@ def fragility(folder: Path, found: Mapping[str, Any], title: str) -> Any:
         return None
     figure = canvas.new_figure(7.0, 4.8)
     axes = figure.add_subplot()
-    for one, colour in zip(told, canvas.CURVE_COLOURS, strict=False):
+    for one, colour, style in zip(told, canvas.CURVE_COLOURS, cycle(_STYLES), strict=False):
         median, beta = one["median"], one["beta"]
         at = np.geomspace(median * np.exp(-3.2 * beta), median * np.exp(3.2 * beta), 300)
         label = f"{one['name']}: median {median:.4g}, β {beta:.3g}"
-        axes.plot(at, norm.cdf(np.log(at / median) / beta), color=colour, lw=1.6,
+        axes.plot(at, norm.cdf(np.log(at / median) / beta), style, color=colour, lw=1.6,
                   label=canvas.literal(label))  # fmt: skip
         edges = [
             norm.cdf(np.log(at / m) / b)
@@ -205,7 +239,9 @@ def fragility(folder: Path, found: Mapping[str, Any], title: str) -> Any:
             axes.plot([level], [k / n], "o", color=colour, ms=5)
     axes.set_ylim(0.0, 1.0)
     axes.set_xlim(left=0.0)
-    axes.set_xlabel(canvas.literal(told[0]["columns"][0]))
+    axes.set_xlabel(
+        ", ".join(_words(name) for name in dict.fromkeys(o["columns"][0] for o in told))
+    )
     axes.set_ylabel("probability that the limit is exceeded")
     axes.legend(fontsize=8.5, frameon=False)
     _titled(axes, title)
@@ -228,15 +264,19 @@ def convergence(found: Mapping[str, Any], title: str) -> Any:
             label = {"p05": "5 % and 95 %", "median": "median"}.get(key)
             axes.plot(n, own[key], style, color=canvas.INK, lw=1.0, label=label)
         axes.set_xscale("log")
-        axes.set_ylabel(canvas.literal(name), fontsize=9)
+        for set_format in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
+            set_format("{x:,.0f}")
+        axes.set_ylabel(_words(name), fontsize=9)
         if k == len(told):
             axes.set_xlabel("samples")
         if k == 1:
-            axes.legend(fontsize=8, frameon=False, ncols=4)
+            axes.legend(
+                fontsize=8, frameon=False, ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0)
+            )
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(visible=True, color="#dddddd", linewidth=0.6)
         axes.tick_params(labelsize=9)
-    figure.suptitle(canvas.literal(title), fontsize=11)
+    figure.suptitle(_title(title), fontsize=11)
     return figure
 
 
@@ -247,12 +287,26 @@ def target(asked: Study, found: Mapping[str, Any], folder: Path) -> None:
     axes = figure.add_subplot()
     if found["curve"]:
         x, y = np.array(found["curve"], dtype=float).T
-        axes.plot(x, y, "o-", color=_BLUE, ms=4, lw=1.0, label="runs")
+        axes.plot(x, y, "o", color=_BLUE, ms=4, label="runs")
+        a, b = found.get("jump_at") or (np.inf, np.inf)
+        for side in (x <= a, x >= b):
+            axes.plot(x[side], y[side], color=_BLUE, lw=1.0)
+        if np.isfinite(a):
+            axes.axvline(0.5 * (a + b), color=canvas.INK, lw=0.8, ls=":", label="jump")
     axes.axhline(asked.target["value"], color=_RED, lw=1.0, ls="--", label="target")
     if found["value"] is not None:
-        axes.plot([found["value"]], [found["reached"]], "D", color=_RED, ms=7, mfc="none", mew=1.5)
+        axes.plot(
+            [found["value"]],
+            [found["reached"]],
+            "D",
+            color=_RED,
+            ms=7,
+            mfc="none",
+            mew=1.5,
+            label="answer",
+        )
     axes.set_xlabel(canvas.literal(asked.task.names[0]))
-    axes.set_ylabel(canvas.literal(asked.target["output"]))
+    axes.set_ylabel(_words(asked.target["output"]))
     axes.legend(fontsize=9, frameon=False)
     _titled(axes, found["sentence"])
     with whole_file(folder / "target.png") as draft:
@@ -272,19 +326,31 @@ def target_map(asked: Study, grid: tuple[Array, Array, Array], folder: Path) -> 
     figure = canvas.new_figure(6.8, 5.0)
     axes = figure.add_subplot()
     filled = axes.contourf(x, y, np.ma.masked_invalid(z), levels=14, cmap="viridis")
-    figure.colorbar(filled, label=canvas.literal(asked.target["output"]))
+    figure.colorbar(filled, label=_words(asked.target["output"]))
     value = asked.target["value"]
     if np.nanmin(z) < value < np.nanmax(z):
-        line = axes.contour(x, y, np.ma.masked_invalid(z), levels=[value], colors=[_RED])
+        line = axes.contour(
+            x, y, np.ma.masked_invalid(z), levels=[value], colors="white", linewidths=2.0
+        )
         axes.clabel(line, fmt=f"{value:g}", fontsize=9)
     axes.plot(x.ravel(), y.ravel(), ".", color="white", ms=2.5, alpha=0.7)
     axes.set_xlabel(canvas.literal(asked.task.names[0]))
     axes.set_ylabel(canvas.literal(asked.task.names[1]))
-    axes.set_title(canvas.literal(asked.title), fontsize=11)
+    axes.set_title(_title(asked.title), fontsize=11)
     with whole_file(folder / "target.png") as draft:
         canvas.save(figure, draft)
 
 
+def _words(column: str) -> str:
+    """What a column is, with its unit; the name of one that others have named."""
+    return _WORDS.get(column) or canvas.literal(column)
+
+
+def _title(text: str) -> str:
+    """A title in lines that fit."""
+    return "\n".join(map(canvas.literal, textwrap.wrap(text, _LINE)))
+
+
 def _titled(axes: Any, title: str) -> None:
-    axes.set_title(canvas.literal(title), fontsize=11)
+    axes.set_title(_title(title), fontsize=11)
     canvas.plain_axes(axes)

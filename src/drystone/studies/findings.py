@@ -18,7 +18,7 @@ from drystone.studies.tables import column_names, read_samples
 #: Columns that indices and effects are told of; of a function all.
 MAIN = (
     "peak_multiplier", "ultimate_displacement", "capacity_multiplier", "limit_associative",
-    "limit_non_associative", "safety_index",
+    "limit_non_associative", "safety_index", "safety_index_against", "governing_safety_index",
 )  # fmt: skip
 
 
@@ -26,8 +26,10 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     """Counts by status, quantiles of every number, and what the design is for."""
     frame = read_samples(folder)
     columns = numbers(asked, folder, frame)
-    main = [name for name in columns if asked.task.function or name in MAIN]
-    values = {name: _array(frame, name) for name in main}
+    values = _distinct(
+        {name: _array(frame, name) for name in columns if asked.task.function or name in MAIN}
+    )
+    main = list(values)
     wrong = frame["status"] != "finished"
     found: dict[str, Any] = {
         "statuses": frame["status"].value_counts().to_dict(),
@@ -43,6 +45,15 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     if judge is not None:
         found["indices"] = {name: judge(asked, values[name]) for name in main}
     return plain(found)  # type: ignore[no-any-return]
+
+
+def _distinct(values: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """Without columns that are the same as one before, as the capacity is where nothing falls."""
+    found: dict[str, NDArray[np.float64]] = {}
+    for name, own in values.items():
+        if not any(np.array_equal(own, other, equal_nan=True) for other in found.values()):
+            found[name] = own
+    return found
 
 
 def numbers(asked: Study, folder: Path, frame: Any) -> list[str]:

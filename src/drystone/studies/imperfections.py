@@ -1,7 +1,7 @@
 """Blocks that differ from their design: worn corners, uneven units, missing and loose blocks.
 
-None of them overlaps another: corners are worn off, loose blocks are smaller, and units of uneven
-sizes fill their courses.
+None of them overlaps another: corners are broken off (`worn`), loose blocks are smaller, and units
+of uneven sizes fill their courses.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.model.assembly import Block
+from drystone.model.assembly import Block, Corner
+from drystone.model.construction.fit import turned_round
 from drystone.studies.errors import StudyError
 from drystone.studies.study import Imperfection
+from drystone.studies.worn import worn
 
 Array = NDArray[np.float64]
 
@@ -23,10 +25,17 @@ Array = NDArray[np.float64]
 _SAME = 1e-9
 
 
-def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Block]:
+def imperfect(
+    blocks: Sequence[Block], what: Imperfection, seed: int, corner: Corner | None = None
+) -> list[Block]:
     """The blocks as built.
 
     Each kind of imperfection draws from a stream of its own, so that one does not change another.
+
+    Parameters
+    ----------
+    corner
+        How the model treats corners; sharp ones by default.
 
     Raises
     ------
@@ -36,6 +45,10 @@ def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Bl
     sizes, wear, missing, loose = (
         np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4)
     )
+    if what.vertices is not None:
+        blocks, _ = turned_round(
+            blocks
+        )  # as the model's check does with outlines that run clockwise
     if what.unit_sizes is not None:
         blocks = _uneven(blocks, what.unit_sizes, sizes)
     meant = [not block.support and _is_meant(block, what.blocks) for block in blocks]
@@ -48,7 +61,7 @@ def imperfect(blocks: Sequence[Block], what: Imperfection, seed: int) -> list[Bl
         if changes and is_loose and what.loose_gap is not None:
             block = _smaller(block, what.loose_gap)
         if changes and what.vertices is not None:
-            block = _worn(block, what.vertices, wear)
+            block = worn(block, what.vertices, wear, corner or Corner())
         found.append(block)
     return found
 
@@ -67,18 +80,10 @@ def _smaller(block: Block, gap: float) -> Block:
     return block.with_vertices(fixed + share * (block.vertices - fixed))
 
 
-def _worn(block: Block, deviation: float, rng: np.random.Generator) -> Block:
-    """The block with each corner worn off towards its middle."""
-    inward = block.vertices.mean(axis=0) - block.vertices
-    length = np.linalg.norm(inward, axis=1, keepdims=True)
-    worn = np.abs(rng.normal(0.0, deviation, len(inward)))[:, np.newaxis]
-    return block.with_vertices(block.vertices + np.minimum(worn / length, 0.5) * inward)
-
-
 def _uneven(blocks: Sequence[Block], share: float, rng: np.random.Generator) -> list[Block]:
     """Courses of uneven heights, of units of uneven lengths; each course is as long as before."""
     laid = [block for block in blocks if not block.support]
-    if any(not _is_rectangle(block) for block in laid):
+    if not _are_rectangles(laid):
         raise StudyError(
             ["imperfection: unit_sizes is for courses of rectangles in the plane: take it out"]
         )
@@ -89,14 +94,16 @@ def _uneven(blocks: Sequence[Block], share: float, rng: np.random.Generator) -> 
     moved: dict[str, Block] = {}
     courses: dict[int, list[Block]] = {}
     for block in laid:
-        courses.setdefault(level.row(block.vertices[:, 1].min()), []).append(block)
+        lowest = block.vertices[:, 1].min(keepdims=True)
+        courses.setdefault(int(level.rows(lowest)[0]), []).append(block)
     for row in sorted(courses):
         course = sorted(courses[row], key=lambda block: float(block.vertices[0, 0]))
         ends = _Levels([x for block in course for x in block.vertices[:, 0]], same)
         new_ends = _shared_out(ends.places, share, rng)
         for block in course:
-            corners = [[new_ends[ends.row(x)], new_level[level.row(y)]] for x, y in block.vertices]
-            moved[block.id] = replace(block, vertices=np.array(corners))
+            x, y = block.vertices.T
+            corners = np.column_stack((new_ends[ends.rows(x)], new_level[level.rows(y)]))
+            moved[block.id] = replace(block, vertices=corners)
     return [moved.get(block.id, block) for block in blocks]
 
 
@@ -110,12 +117,14 @@ def _shared_out(places: Array, share: float, rng: np.random.Generator) -> Array:
     return new
 
 
-def _is_rectangle(block: Block) -> bool:
+def _are_rectangles(blocks: Sequence[Block]) -> bool:
     """Of sides along the axes; four of them close around an outline alone, never a solid."""
-    if len(block.vertices) != 4 or block.parts:
+    if any(len(block.vertices) != 4 or block.parts for block in blocks):
         return False
-    sides = np.abs(np.roll(block.vertices, -1, axis=0) - block.vertices)
-    return bool(((sides > _SAME * sides.max()).sum(axis=1) == 1).all())
+    vertices = np.array([block.vertices for block in blocks])
+    sides = np.abs(np.roll(vertices, -1, axis=1) - vertices)
+    longest = sides.max(axis=(1, 2), keepdims=True)
+    return bool(((sides > _SAME * longest).sum(axis=2) == 1).all())
 
 
 class _Levels:
@@ -126,6 +135,6 @@ class _Levels:
         apart = np.concatenate(([True], np.diff(ordered) > same))
         self.places: Array = ordered[apart]
 
-    def row(self, value: float) -> int:
-        """Row of the place that is nearest."""
-        return int(np.abs(self.places - value).argmin())
+    def rows(self, values: Array) -> NDArray[np.int64]:
+        """Rows of the places that are nearest, (n,)."""
+        return np.abs(self.places - values[:, np.newaxis]).argmin(axis=1)

@@ -23,6 +23,7 @@ FIGURES = {
     "fragility.png": "fragility with 95 % confidence",
     "convergence.png": "estimates with more and more samples",
 }
+_INTERVAL = "± 95 %"
 _QUANTILES = ("mean", "std", "least", "p05", "median", "p95", "greatest")
 
 
@@ -102,7 +103,10 @@ def _tables(record: Mapping[str, Any]) -> Any:
                 [name, *(_number(one[key]) for key in keys)]
                 for name, one in own["parameters"].items()
             ]
-            yield f"Indices of {output}", ("parameter", *(k.replace("_", " ") for k in keys)), rows
+            yield f"Indices of {output}", ("parameter", *map(_index_words, keys)), rows
+        if own and own.get("second"):
+            rows = [[f"{a} with {b}", _number(s), _number(c)] for a, b, s, c in own["second"]]
+            yield f"Second-order indices of {output}", ("parameters", "second", _INTERVAL), rows
     told = [one for one in record.get("fragility") or [] if one.get("median") is not None]
     if told:
         rows = [
@@ -111,6 +115,11 @@ def _tables(record: Mapping[str, Any]) -> Any:
             for one in told
         ]  # fmt: skip
         yield "Fragility", ("", "method", "samples", "median", "95 %", "beta", "95 %"), rows
+
+
+def _index_words(key: str) -> str:
+    """A column of indices; one of a confidence holds half the interval of the one before."""
+    return _INTERVAL if key.endswith("_confidence") else key.replace("mu_star", "mean absolute")
 
 
 def _number(value: Any) -> str:

@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from typing import Any
 
@@ -140,19 +140,20 @@ def document_of(task: Task, values: Sequence[Any]) -> dict[str, Any]:
 def model_of(task: Task, document: dict[str, Any], seed: int, digest: str) -> Any:
     """The model of a sample, imperfect where the study says so; raises `ModelError`."""
     from drystone.io.modelfile.read import model_from_data
+    from drystone.model.assembly import Corner
     from drystone.studies.imperfections import imperfect
 
-    reshaped = None
+    reshape = None
     if task.imperfection is not None:
-        what = task.imperfection
         digest = hashlib.sha256(f"{digest} {seed}".encode()).hexdigest()
-        reshaped = lambda blocks: imperfect(blocks, what, seed)  # noqa: E731
+        corner = Corner(**document.get("corner", {})) if task.imperfection.vertices else Corner()
+        reshape = partial(imperfect, what=task.imperfection, seed=seed, corner=corner)
     return model_from_data(
         document,
         source=task.source,
         sha256=digest,
         need_stiffness=task.outputs != ("limit",),
-        reshaped=reshaped,
+        reshaped=reshape,
     )
 
 
@@ -180,13 +181,17 @@ def _analysed(
     model = model_of(task, document, seed, digest)
     found: dict[str, Any] = {"status": "finished", "reason": ""}
     traced = None
-    if "curve" in task.outputs or "assess" in task.outputs:
+    if task.outputs != ("limit",):
         curve = _traced(task, model)
         found |= {"status": curve.status, "reason": curve.reason}
-        found |= _of_curve(curve, task)
+        found |= _of_curve(curve)
         traced = resampled(curve.control_displacement, curve.load_multiplier, task.points)
-        if "assess" in task.outputs:
-            found |= _of_assessment(curve, model)
+        if _assesses(task):
+            verdict = curve.assess(model)
+            found |= _of_verdict(verdict)
+            if "senses" in task.outputs:
+                found |= _of_senses(task, model, verdict)
+                found["reason"] = "; ".join(filter(None, (found["reason"], found.pop("why"))))
     if "limit" in task.outputs:
         limits = _of_limits(model)
         if not limits.pop("status") and traced is None:
@@ -201,7 +206,7 @@ def _traced(task: Task, model: Any) -> Any:
     from drystone.analysis.driver import pushover
     from drystone.model.model import REMOVE, STOP
 
-    assesses = "assess" in task.outputs
+    assesses = _assesses(task)
     return pushover(
         model,
         engine=task.engine,
@@ -212,6 +217,10 @@ def _traced(task: Task, model: Any) -> Any:
         keep_contacts=False,
         default_falling=STOP if assesses else REMOVE,
     )
+
+
+def _assesses(task: Task) -> bool:
+    return "assess" in task.outputs or "senses" in task.outputs
 
 
 def _watch(seconds: float) -> Callable[[Any], None]:
@@ -226,7 +235,7 @@ def _watch(seconds: float) -> Callable[[Any], None]:
     return watch
 
 
-def _of_curve(curve: Any, task: Task) -> dict[str, Any]:
+def _of_curve(curve: Any) -> dict[str, Any]:
     peak, capacity = curve.peak, curve.capacity
     return {
         "peak_multiplier": peak.load_multiplier,
@@ -253,9 +262,7 @@ def _is_certified(curve: Any) -> bool:
     )
 
 
-def _of_assessment(curve: Any, model: Any) -> dict[str, Any]:
-    """Of the sense that the load has."""
-    verdict = curve.assess(model)
+def _of_verdict(verdict: Any) -> dict[str, Any]:
     assessment = verdict.assessment
     found: dict[str, Any] = {
         "safety_index": verdict.safety_index,
@@ -268,6 +275,37 @@ def _of_assessment(curve: Any, model: Any) -> dict[str, Any]:
             found[f"{name}_{state.name}"] = getattr(state, name)
         found[f"safety_index_{state.name}"] = state.safety_index
     return plain(found)
+
+
+def _of_senses(task: Task, model: Any, along: Any) -> dict[str, Any]:
+    """What an assessment tells of the load turned round, and which sense governs.
+
+    Where there is no verdict on it, none governs, and ``why`` says the reason.
+
+    Parameters
+    ----------
+    along
+        Verdict on the sense that the load has.
+    """
+    from drystone.assessment.errors import AssessmentError
+    from drystone.assessment.verdict import severity
+    from drystone.engines.base import EngineError
+    from drystone.io.results.senses import FORWARD, OPPOSITE
+
+    try:
+        turned = model.with_load(direction=(-model.load_along).tolist())
+        curve = _traced(task, turned)
+        against = curve.assess(turned)
+    except (AssessmentError, EngineError, ModelError, ValueError) as error:
+        return {"why": f"{OPPOSITE}: {reason_of(error)}"}
+    own = {"peak_multiplier": curve.peak.load_multiplier, **_of_verdict(against)}
+    opposite_governs = severity(against) < severity(along)
+    return {
+        "why": "" if curve.status == "finished" else f"{OPPOSITE}: {curve.status}, {curve.reason}",
+        "governing_sense": OPPOSITE if opposite_governs else FORWARD,
+        "governing_safety_index": (against if opposite_governs else along).safety_index,
+        **{f"{name}_against": value for name, value in own.items()},
+    }
 
 
 def _of_limits(model: Any) -> dict[str, Any]:

@@ -137,7 +137,7 @@ class TargetSection(Section):
     )
 
 
-Output = Literal["curve", "limit", "assess"]
+Output = Literal["curve", "limit", "assess", "senses"]
 
 
 class StudySection(Section):

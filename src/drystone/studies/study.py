@@ -28,6 +28,11 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "limit": ("limit_associative", "limit_non_associative"),
     "assess": ("safety_index", "satisfied", "activation_multiplier"),
+    "senses": (
+        "safety_index", "satisfied", "activation_multiplier", "governing_sense",
+        "governing_safety_index", "peak_multiplier_against", "safety_index_against",
+        "satisfied_against", "activation_multiplier_against",
+    ),
 }  # fmt: skip
 
 

@@ -31,14 +31,14 @@ def _preceding(rows: Array) -> Array:
 def signed_area(vertices: Array) -> float:
     """Area [m2] by the shoelace formula, positive when counter-clockwise."""
     x, y = (vertices - vertices[0]).T
-    return 0.5 * float(np.sum(x * _following(y) - _following(x) * y))
+    return 0.5 * float((x * _following(y) - _following(x) * y).sum())
 
 
 def is_clockwise(vertices: Array) -> bool:
     """Whether an outline runs the wrong way round; what is no outline does not."""
     if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 3:
         return False
-    return bool(np.all(np.isfinite(vertices))) and signed_area(vertices) < 0.0
+    return bool(np.isfinite(vertices).all()) and signed_area(vertices) < 0.0
 
 
 def check_convex(vertices: Array) -> None:
@@ -107,7 +107,11 @@ def _check_simple(vertices: Array) -> None:
 
 def _turns(vertices: Array) -> Array:
     """Angles [rad] by which the outline turns at the end of every edge, (n,)."""
-    edges = _following(vertices) - vertices
+    return _turns_of(_following(vertices) - vertices)
+
+
+def _turns_of(edges: Array) -> Array:
+    """The same, from the edges (n, 2) of the outline."""
     following = _following(edges)
     turn = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     return np.arctan2(turn, np.sum(edges * following, axis=1))
@@ -127,12 +131,12 @@ def _checked_turns(vertices: Array) -> Array:
     n = len(vertices)
     if n < 3:
         raise GeometryError(f"a polygon needs at least 3 vertices, it has {n}")
-    if not np.all(np.isfinite(vertices)):
+    if not np.isfinite(vertices).all():
         raise GeometryError("every coordinate must be a finite number")
     edges = _following(vertices) - vertices
     lengths = np.hypot(edges[:, 0], edges[:, 1])
-    size = float(np.ptp(vertices, axis=0).max())
-    if size == 0.0 or np.any(lengths < DEGENERATE * size):
+    size = float((vertices.max(axis=0) - vertices.min(axis=0)).max())
+    if size == 0.0 or (lengths < DEGENERATE * size).any():
         i = int(np.argmin(lengths))
         raise GeometryError(
             f"vertices {i + 1} and {(i + 1) % n + 1} are the same point: remove one"
@@ -143,7 +147,7 @@ def _checked_turns(vertices: Array) -> Array:
             "the outline encloses no area: its vertices lie on one line, or it crosses itself; "
             "list them in order around the block"
         )
-    angle = _turns(vertices)
+    angle = _turns_of(edges)
     turns = round(float(angle.sum()) / (2.0 * np.pi))
     if abs(turns) != 1:
         raise GeometryError(
@@ -281,10 +285,13 @@ def rounded_core(vertices: Array, radius: float) -> Core:
     # At a corner with turn angle a the core vertex lies back along both edges by r tan(a/2).
     cosine = np.sum(before * tangent, axis=1)
     sine = before[:, 0] * tangent[:, 1] - before[:, 1] * tangent[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):  # a needle's tip leaves nothing of an edge
-        back = np.nan_to_num(radius * np.abs(sine) / (1.0 + cosine), nan=np.inf)
+    turned = 1.0 + cosine
+    if turned.min() > 0.0:
+        back = radius * np.abs(sine) / turned
+    else:  # a needle's tip leaves nothing of an edge
+        back = np.full(len(vertices), np.inf)
     remaining = length - back - _following(back)
-    if not np.all(remaining > DEGENERATE * length):
+    if not (remaining > DEGENERATE * length).all():
         i = int(np.argmin(remaining))
         raise GeometryError(
             f"the corner radius {radius:g} m leaves nothing of the edge of {length[i]:g} m "
