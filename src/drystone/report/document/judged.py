@@ -76,7 +76,8 @@ class Judged:
     def sense_sentence(self, text: Mapping[str, str]) -> str:
         """Which senses were traced."""
         if self.opposite is None:
-            return text["sense_without"]
+            cyclic = self.folder.results.curve.is_cyclic
+            return text["sense_cyclic" if cyclic else "sense_without"]
         sense = str(self.data.get("governing_sense") or NOTHING)
         return text["senses"].format(sense=spoken(sense_words(sense)))
 
