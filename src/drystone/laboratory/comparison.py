@@ -20,16 +20,26 @@ from numpy.typing import NDArray
 from drystone.common.workers import Call, in_processes
 from drystone.laboratory.figures import Figures, amplitude, figures_of, loops_of
 from drystone.laboratory.models import SHEAR_SHARES, model_of
-from drystone.laboratory.walls import Wall, alike, crack_map, measured, wall_named, walls
+from drystone.laboratory.walls import (
+    Wall,
+    alike,
+    crack_map,
+    measured,
+    series,
+    wall_named,
+    walls,
+)
 
 Array = NDArray[np.float64]
 
-#: Variants of the model by name; the first is what the reports say.
-REPORTED = "reported"
+#: Variants of the model by name; the first is what the reports say.  The last one is of series
+#: whose reports do not say whether the beam could turn.
+REPORTED, LEVEL = "reported", "beam kept level"
 VARIANTS: dict[str, dict[str, Any]] = {
     REPORTED: {},
     "soft in shear": {"shear_share": SHEAR_SHARES[0]},
     "stiff in shear": {"shear_share": SHEAR_SHARES[1]},
+    LEVEL: {"level": True},
 }
 
 #: Drifts [%] of the cycles of cyclic walls; the last is about the measured end.
@@ -180,7 +190,9 @@ def laboratory(
 def _keys(wall: Wall) -> list[tuple[str, str]]:
     """Wall and variant of its curves: of walls that are alike, those of the first."""
     like = next(other for other in walls() if alike(other, wall))
-    return [(like.name, name) for name in ([REPORTED] if wall.cyclic else VARIANTS)]
+    silent = series()["series"][wall.series]["beam_may_be_level"]
+    names = [name for name in VARIANTS if name != LEVEL or silent]
+    return [(like.name, name) for name in ([REPORTED] if wall.cyclic else names)]
 
 
 def computed(name: str, variant: str) -> Computed:
