@@ -128,6 +128,47 @@ class Compared:
         ]
 
 
+#: Drifts [%] between which energies of cycles are counted together.
+DRIFT_CLASSES = ((0.0, 0.5), (0.5, 1.5), (1.5, 5.0))
+
+
+def energy_by_drift(found: Sequence[Compared]) -> list[dict[str, Any]]:
+    """Computed over measured energy of cycles, by classes of their drift, see `spread`."""
+    values = [
+        (one.wall.drift(amplitude), own / measured)
+        for one in found
+        for amplitude, measured, own in one.energies()
+    ]
+    classes = []
+    for low, high in DRIFT_CLASSES:
+        within = spread([ratio for drift, ratio in values if low <= drift < high])
+        if within is not None:
+            classes.append({"drift_from": low, "drift_to": high, **within})
+    return classes
+
+
+def lacking_compliance(found: Sequence[Compared]) -> list[dict[str, Any]]:
+    """By how much the measured wall yields more to its force than the computed one, 1 / K [m/N] at
+    the first rise, of all walls of a series under the same vertical force: mean, least and
+    greatest."""
+    groups: dict[tuple[str, float], list[float]] = {}
+    for one in found:
+        measured, own = one.figures(1.0)
+        group = groups.setdefault((one.wall.series, one.wall.vertical_force), [])
+        group.append(1.0 / measured.stiffness - 1.0 / own.stiffness)
+    return [
+        {
+            "series": series,
+            "vertical_force": force,
+            "n": len(values),
+            "mean": statistics.fmean(values),
+            "least": min(values),
+            "greatest": max(values),
+        }
+        for (series, force), values in sorted(groups.items())
+    ]
+
+
 def ratios(values: Sequence[float]) -> tuple[float, float]:
     """Mean and coefficient of variation of computed over measured."""
     mean = statistics.fmean(values)
