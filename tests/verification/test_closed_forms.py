@@ -221,7 +221,7 @@ class TestSlidingBlock:
         sliding = curve.control_displacement > 2e-3
         # To the residual, and the micrometres that the joint closes by when the load comes on.
         assert curve.load_multiplier[sliding] == pytest.approx(static, abs=2e-6)
-        assert np.abs(curve.applied_multiplier[sliding] - static).max() > 0.02 * static
+        assert np.abs(curve.applied_multiplier[sliding] - static).max() > 3e-3
 
     @pytest.mark.parametrize("friction", [0.3, 0.8, 1.2])
     def test_on_a_tilting_table(self, friction):

@@ -90,6 +90,7 @@ Chosen = Annotated[
 ]
 
 
+# Long: what two kinds of walls are asked for, and told.
 def benchmark(
     which: Chosen = Which.published,
     engine: Engines = None,

@@ -79,6 +79,7 @@ def _heads(keys: Sequence[str]) -> list[str]:
     return [f"\n{key}" if "%" in key else say(f"laboratory_head.{key}").spoken for key in keys]
 
 
+# Long: the keys of a file.
 def as_dict(found: Sequence[Compared]) -> dict[str, Any]:
     """All figures, for JSON."""
     from drystone.laboratory.comparison import (

@@ -166,11 +166,12 @@ class ExcessControl:
         if not (peak > state.highest and fall > known and rise > 0.0):
             return None
         moved = abs(report.control_displacement - state.displacement)
-        if moved <= 2.0 * state.advance * rise:
-            return None
+        if not 0.0 < tolerances.SOFTER * state.advance * rise < moved:
+            return None  # as soft as before, or the first step
         if not beyond > tolerances.LEAST_EXCESS * self.settings.increment:
             return None
-        return rise + 0.5 * beyond * known / fall
+        nearer = rise + 0.5 * beyond * known / fall
+        return nearer if nearer < tolerances.ALL_BUT * state.excess else None
 
     def _yields(self, state: ExcessState, report: StepReport) -> bool:
         """Whether a step begins where less than half of the excess is carried."""
