@@ -113,9 +113,8 @@ def test_a_block_that_falls_off_is_told_and_the_rest_goes_on(engine):
     branch = static & (np.arange(len(d)) > curve.peak.step)
     exact = np.tan(ANGLE - np.arcsin(d[branch]))
     # The toe, a hundredth of the edge long, closes by 8000 N / (1e10 Pa/m 0.004 m2) = 0.2 mm at
-    # most, and less where it is not yet alone.  `nscd` reads a step of 0.5 mm where it begins: at
-    # a slope of 1.1 per metre that is 5e-4, and as much again for what the step is longer than it.
-    tolerance = {"equilibrium": 2e-4, "distinct": 2e-4, "nscd": 1.1e-3}[engine]
+    # most, and less where it is not yet alone.
+    tolerance = 2e-4
     assert np.count_nonzero(branch) > 100
     assert multiplier[branch] == pytest.approx(exact, abs=tolerance)
     end = np.sin(ANGLE - np.arctan(0.01))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -20,7 +21,10 @@ from drystone.assessment.spectra.ntc2018 import NtcSpectrum
 from drystone.cli import app
 from drystone.io.modelfile import write_model
 from drystone.model.site import Site
+from drystone.report.document.report import render
 from drystone.report.folder.directory import ResultsDirectory
+from drystone.report.viewer.folder import Folder
+from drystone.verification.blocks import on_base
 from rigid_walls import HEIGHT, WIDTH, evenly, wall_in_courses
 from sites import TABLES
 
@@ -541,6 +545,58 @@ def test_of_a_cyclic_curve_the_envelope_is_assessed(made, cyclic):
     assert any("envelope in the sense of the load" in said for said in told["assumptions"])
     spoken = drystone("assess", cyclic, *FLAGS, "--language", "it")
     assert "La curva è ciclica" in spoken.output
+
+
+@pytest.fixture(scope="module")
+def leaning(made) -> Path:
+    """The folder of a block 0.5 m wide and 4 m high on a plane that falls to the left by 0.01 rad,
+    pushed to where next to nothing is borne, in both senses."""
+    model = on_base(WIDTH, (HEIGHT,), friction=0.7, stiffness=1e11, slope=-0.01)
+    model = model.with_history([0.5 * WIDTH, -0.5 * WIDTH, 0.97 * WIDTH, -0.833 * WIDTH])
+    write_model(model, made / "leaning.toml")
+    result = drystone("run", made / "leaning.toml", "--out", made / "leaning", "--quiet")
+    assert result.exit_code == 0, result.output
+    return made / "leaning"
+
+
+def test_both_senses_of_a_cyclic_curve_are_assessed_and_the_worse_governs(made, leaning):
+    """To the left it bears tan(atan(b / h) - 0.01) only, to the right tan(atan(b / h) + 0.01)."""
+    found = json.loads(drystone("assess", leaning, *FLAGS, "--json").stdout)
+    assert list(found["senses"]) == ["along the load", "against the load"]
+    along, against = found["senses"].values()
+    for sense, lean in ((along, 0.01), (against, -0.01)):
+        exact = np.tan(np.arctan(WIDTH / HEIGHT) + lean)
+        assert sense["activation_multiplier"] == pytest.approx(exact, rel=1e-4)
+    assert found["governing_sense"] == "against the load"
+    assert found["safety_index"] == against["safety_index"] < along["safety_index"]
+    assert any("against the sense of the load" in said for said in against["assumptions"])
+    # It is the verdict on the wall that is pushed to the left in the first place.
+    model = ds.read_model(made / "leaning.toml").with_load(direction=[-1.0, 0.0])
+    write_model(replace(model, history=None), made / "left.toml")
+    left = drystone(
+        "assess", made / "left.toml", *FLAGS, "--one-sense", "--json", "--quiet",
+        "--out", made / "left",
+    )  # fmt: skip
+    assert against["safety_index"] == pytest.approx(
+        json.loads(left.stdout)["safety_index"], rel=2e-2
+    )
+    told = drystone("assess", leaning, *FLAGS).stdout
+    assert "along the load" in told and "against the load" in told and "governs" in told
+
+
+def test_of_a_cyclic_curve_one_sense_alone_can_be_asked_for(leaning):
+    found = json.loads(drystone("assess", leaning, *FLAGS, "--one-sense", "--json").stdout)
+    assert list(found["senses"]) == ["along the load"]
+
+
+def test_limit_states_against_the_load_are_marked_on_the_left_of_a_cyclic_curve(leaning):
+    drystone("assess", leaning, *FLAGS)
+    folder = Folder.read(leaning)
+    assert folder.governs and folder.limit_marks
+    for mark in folder.limit_marks:
+        assert mark.control_displacement < 0.0 and mark.load_multiplier < 0.0
+    page = render(folder)
+    assert "against the load governs" in page
 
 
 def test_a_cyclic_curve_that_does_not_go_far_enough_has_no_verdict(made, tmp_path):

@@ -56,8 +56,11 @@ def test_everything_that_the_report_owes_is_there(asked):
     page = render(found, date=DATE)
     seen = text_of(page)
     t = words()
-    # There are neither notes, ties nor dead loads, and no supports that move.
-    left_out = ("notes", "outcome", "reaction", "states_shown", "ties", "ties_at", "dead_loads")
+    # There are neither notes, ties, dead loads nor cycles, and no supports that move.
+    left_out = (
+        *("notes", "outcome", "reaction", "states_shown", "ties", "ties_at", "dead_loads"),
+        "cycles",
+    )
     for key, name in t["section"].items():
         assert name in seen or key in left_out, name
     curve, model = found.results.curve, found.results.model
@@ -266,3 +269,16 @@ def test_a_new_analysis_takes_the_assessment_of_the_last_one_away(plain):
     model = ds.read_model(EXAMPLES / "two_blocks.toml")
     ds.save_results(ds.pushover(model), model, plain)
     assert not (plain / "assessment.json").exists() and not list(plain.glob("adrs.*"))
+
+
+@pytest.mark.parametrize("language", ["en", "it"])
+def test_a_report_of_cycles_tells_each_of_them(tmp_path, language):
+    model = ds.read_model(EXAMPLES / "gate.toml")
+    model = model.with_history([0.002, -0.002, 0.003, -0.003, 0.0])
+    curve = ds.pushover(model, keep_poses=True, keep_contacts=True)
+    ds.save_results(curve, model, tmp_path / "out")
+    text = text_of(render(Folder.read(tmp_path / "out"), language=language))
+    t = words(language)
+    assert len(curve.cycles) == 2 and t["section"]["cycles"] in text
+    assert t["text"]["sense_cyclic"] in text and t["text"]["sense_without"] not in text
+    assert all(head in text for head in t["cycles"].values())

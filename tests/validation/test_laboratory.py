@@ -1,14 +1,14 @@
 """Walls of laboratories: what the data say, and peaks computed by what the reports say.
 
 Peaks are held to what was found: of rocking granite walls within 5 % of the measured, whatever the
-friction, as their measured peak is that of rocking with a toe that crushes.
+friction, as their measured peak is that of rocking.
 """
 
 import numpy as np
 import pytest
 
 from drystone.analysis.driver import pushover
-from drystone.laboratory.comparison import Compared, Computed, computed
+from drystone.laboratory.comparison import Compared, Computed, computed, lacking_compliance
 from drystone.laboratory.figures import figures_of, loops_of
 from drystone.laboratory.models import BEAM, CONVERGED, POINTS, model_of
 from drystone.laboratory.walls import alike, crack_map, measured, series, wall_named, walls
@@ -125,6 +125,20 @@ def test_bilinear_of_measured_curves_is_that_of_the_database():
             assert ours[1] == pytest.approx(start, rel=0.12)
 
 
+def test_under_a_beam_kept_level_friction_bounds_the_least_loaded_wall():
+    """Of SW.30 the joint under the beam slides: friction times the jack's force and the beam's
+    weight, 0.2 m x 1 m x 0.2 m x 20 kN/m3.  What the reports do not say is part of the band."""
+    wall = wall_named("SW.30.1")
+    curve = computed(wall.name, "beam kept level")
+    assert curve.force.max() == pytest.approx(0.62 * (30e3 + 0.8e3), rel=2e-3)
+    free = computed(wall.name, "reported")
+    both = {"reported": free, "beam kept level": curve}
+    one = Compared(wall=wall, measured=measured(wall), variants=both)
+    _, least, greatest = one.band()
+    assert greatest.max() == pytest.approx(curve.force.max(), rel=1e-3)
+    assert least.max() == pytest.approx(free.force.max(), rel=1e-3)
+
+
 def test_where_a_modulus_is_from_is_said():
     assert wall_named("WS3.100").modulus_source == "of this wall"
     assert wall_named("WS.100").modulus_source == "of walls under the same stress"
@@ -148,3 +162,37 @@ def test_crack_maps_are_drawn_beside_the_computed_wall(tmp_path):
     assert sorted(courses) == list(range(8))  # one in each course, as in the map
     draw_cracks([one], tmp_path / "cracks.png", title="Crack map")
     assert (tmp_path / "cracks.png").stat().st_size > 10_000
+
+
+def test_tables_and_pictures_speak_italian(monkeypatch, tmp_path, capsys):
+    """One wall with a computed curve that is its own: words, not figures, are looked at."""
+    from drystone.cli.laboratory import run_laboratory
+    from drystone.common.language import speaking
+
+    wall = wall_named("WS.100")
+    x, y = measured(wall)
+    own = Computed(displacement=x, force=y, status="finished", reason="", residual=0.0, seconds=1.5)
+    one = Compared(wall=wall, measured=(x, y), variants={"reported": own})
+    monkeypatch.setattr("drystone.laboratory.comparison.laboratory", lambda **_: [one])
+    monkeypatch.setattr("drystone.report.crack_figure.draw_cracks", lambda *_, **__: None)
+    with speaking("it"):
+        run_laboratory(tmp_path, (), as_json=False, quiet=True)
+    told = capsys.readouterr().out
+    for words in ("parete", "banca dati", "di pareti con la stessa tensione", "nessuno escluso"):
+        assert words in told
+    assert "37,0" in told and "37.0" not in told and "1,000" in told
+    assert "WS, 100 kN: 1/K misurato meno calcolato, media 0,000 mm/kN" in told
+
+
+def test_what_lacks_of_compliance_is_counted_by_series_and_force():
+    """Of a computed wall that is twice as stiff, half of the measured compliance lacks."""
+    wall = wall_named("WS.250")
+    x, y = measured(wall)
+    own = Computed(
+        displacement=0.5 * x, force=y, status="finished", reason="", residual=0.0, seconds=0.0
+    )
+    one = Compared(wall=wall, measured=(x, y), variants={"reported": own})
+    (group,) = lacking_compliance([one])
+    whole = 1.0 / figures_of(wall, x, y).stiffness
+    assert group["series"] == "WS" and group["vertical_force"] == pytest.approx(250e3)
+    assert group["n"] == 1 and group["mean"] == pytest.approx(0.5 * whole, rel=1e-2)

@@ -264,7 +264,9 @@ class TestSliding:
             stiffness=1e11 if engine == "equilibrium" else 1e9,  # turns by 2e-8, or 2e-6
         )
         curve = ds.pushover(model, engine=engine, max_displacement=5e-3, max_steps=60)
-        tolerance = {"equilibrium": EXACT, "distinct": AT_REST, "nscd": 1e-3}[engine]
+        # The weight on a table shrinks with the multiplier, and so does friction under the excess
+        # of `nscd`, 0.01: to its square.
+        tolerance = {"equilibrium": EXACT, "distinct": AT_REST, "nscd": 1e-4}[engine]
         assert curve.peak.load_multiplier == pytest.approx(0.3, abs=tolerance)
 
     def test_under_a_dead_load(self):

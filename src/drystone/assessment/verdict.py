@@ -136,8 +136,14 @@ def assessed(
     return of_one_sense(verdict_on(curve, model, request))
 
 
-def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = None) -> Verdict:
-    """Assess a traced curve; of one that goes to and fro its envelope in the sense of the load.
+def verdict_on(
+    curve: CapacityCurve,
+    model: Model,
+    request: Request | None = None,
+    *,
+    against: bool = False,
+) -> Verdict:
+    """Assess a traced curve; of one that goes to and fro its envelope in one sense.
 
     Parameters
     ----------
@@ -145,6 +151,8 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
         With poses.
     model
         What was traced; its ``site`` and ``assessment`` say what is asked, unless a request does.
+    against
+        Of a curve that goes to and fro: its envelope against the load, not along it.
 
     Raises
     ------
@@ -156,8 +164,7 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
     asked = request_of(model.site, model.assessment) if request is None else request
     curve = of_the_whole(curve, model)
     cyclic = curve.is_cyclic
-    if cyclic:
-        curve = curve.outward()
+    curve, model = in_one_sense(curve, model, against=against)
     found = reduced(curve, model, grouping=asked.grouping)
     settings = asked.settings
     if settings.reading not in found.capacities:
@@ -181,7 +188,8 @@ def verdict_on(curve: CapacityCurve, model: Model, request: Request | None = Non
                 others[name] = assess(capacity, asked.spectra, replace(settings, reading=name))
             except AssessmentError as error:
                 others[name] = error.said
-    of_cycles = [say("verdict.of_cycles")] if cyclic else []
+    which = say("verdict.of_cycles_against") if against else say("verdict.of_cycles_along")
+    of_cycles = [which] if cyclic else []
     first = (*of_cycles, *_left_behind(curve, model), *_beyond_events(answer))
     missing = missing_motions(asked.hazard)
     answer = replace(answer, assumptions=(*first, *answer.assumptions, *missing))
@@ -219,6 +227,23 @@ def sense_words(name: str) -> str:
     """The name of a sense of the load, as files have it, for people."""
     keys = {"along the load": "sense.along", "against the load": "sense.against"}
     return say(keys[name]) if name in keys else name
+
+
+def in_one_sense(
+    curve: CapacityCurve, model: Model, *, against: bool = False
+) -> tuple[CapacityCurve, Model]:
+    """Of a cyclic curve its envelope along or ``against`` the load, with the model under the load
+    in that sense; any other curve as it is."""
+    if not curve.is_cyclic:
+        return curve, model
+    return (curve.outward(-1.0), turned(model)) if against else (curve.outward(), model)
+
+
+def turned(model: Model) -> Model:
+    """The model under the load turned round, with the same control point, which is followed the
+    other way; `ValueError` or `ModelError` of a pattern that has one sense."""
+    control = replace(model.control_point, direction=-model.control_point.direction)
+    return replace(model.with_load(direction=(-model.load_along).tolist()), control_point=control)
 
 
 def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drystone.cli.options import AsJson, Quiet, Strategy
+from drystone.cli.options import AsJson, Language, Quiet, Strategy
 from drystone.cli.outcome import DONE, INTERRUPTED, UNFINISHED, WRONG, emit, fail, outcome, tell
+from drystone.common.language import speaking
 
 if TYPE_CHECKING:
     from drystone.analysis.benchmark import BenchmarkRow
@@ -89,6 +90,7 @@ Chosen = Annotated[
 ]
 
 
+# Long: what two kinds of walls are asked for, and told.
 def benchmark(
     which: Chosen = Which.published,
     engine: Engines = None,
@@ -96,6 +98,10 @@ def benchmark(
     out: Folder = Path("benchmark-results"),
     reference: Reference = None,
     strategy: Loading = Strategy.displacement,
+    language: Annotated[
+        Language,
+        typer.Option(help="Language of the tables and pictures of laboratory walls."),
+    ] = Language.en,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -105,7 +111,8 @@ def benchmark(
         with outcome(as_json=as_json):
             from drystone.cli.laboratory import run_laboratory
 
-            run_laboratory(out, (), as_json=as_json, quiet=quiet)
+            with speaking(language.value):
+                run_laboratory(out, (), as_json=as_json, quiet=quiet)
         raise typer.Exit(DONE)
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.analysis.benchmark import benchmark as analyse

@@ -9,27 +9,23 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from drystone.cli.outcome import emit, tell
+from drystone.common.language import number, say, spoken
 
 if TYPE_CHECKING:
     from drystone.laboratory.comparison import Compared
 
+#: Heads of the tables, see `laboratory_head` of the languages; drifts between.
 HEADS = (
-    "wall", "sense", "peak\nkN", "ours\nkN", "ours/\nmeas.", "at\n%", "ours\n%", "K\nkN/mm",
-    "ours", "1 %", "2 %", "3 %", "time\ns",
+    "wall", "sense", "peak", "ours_peak", "ratio", "at", "ours_at", "stiffness", "ours", "1 %",
+    "2 %", "3 %", "seconds",
 )  # fmt: skip
-NOTE = "1, 2, 3 %: force at that drift, computed over measured; K: secant at 40 % of the peak"
 #: Of the bilinear curves; each figure by the database, of its curve, and computed.
 BILINEAR_HEADS = (
-    "wall", "sense", "V_u kN\ndatabase", "\nmeasured", "\nours", "d_y %\ndatabase", "\nmeasured",
-    "\nours", "d_u %\ndatabase", "\nmeasured", "\nours",
+    "wall", "sense", "level", "measured", "ours", "yield", "measured", "ours", "ultimate",
+    "measured", "ours",
 )  # fmt: skip
-BILINEAR_NOTE = (
-    "bilinear of equal area, first branch through 70 % of the peak, up to d_u, a drop by 20 % or\n"
-    "the end: as the database gives it; of the measured and of the computed curve by the function\n"
-    "of drystone assess"
-)
 #: Of the models.
-MODEL_HEADS = ("wall", "E_wall\nMPa", "\nwhich is", "k_n\nPa/m", "friction", "f_c\nMPa")
+MODEL_HEADS = ("wall", "modulus", "source", "joint", "friction", "strength")
 
 
 def run_laboratory(out: Path, names: Sequence[str], *, as_json: bool, quiet: bool) -> None:
@@ -49,14 +45,14 @@ def run_laboratory(out: Path, names: Sequence[str], *, as_json: bool, quiet: boo
 
     found = laboratory(names=names, told=told)
     for cyclic, file, what in (
-        (False, "laboratory_monotonic.png", "Walls pushed one way: measured and computed"),
-        (True, "laboratory_cyclic.png", "Walls pushed to and fro: measured and computed"),
+        (False, "laboratory_monotonic.png", _word("one_way")),
+        (True, "laboratory_cyclic.png", _word("to_and_fro")),
     ):
         drawn = [one for one in found if one.wall.cyclic == cyclic]
         if drawn:
             draw_laboratory(drawn, out / file, title=what)
     if any(one.crack_map for one in found):
-        draw_cracks(found, out / "laboratory_cracks.png", title="Crack maps and computed walls")
+        draw_cracks(found, out / "laboratory_cracks.png", title=_word("cracks"))
     result = as_dict(found)
     (out / "laboratory.json").write_text(to_json(result) + "\n", encoding="utf-8")
     if as_json:
@@ -64,21 +60,34 @@ def run_laboratory(out: Path, names: Sequence[str], *, as_json: bool, quiet: boo
     else:
         from drystone.cli.benchmark import plain_table
 
-        heads = [head if "\n" in head else f"\n{head}" for head in HEADS]
-        typer.echo(plain_table(heads, _lines(found)))
-        typer.echo(NOTE)
-        heads = [head if "\n" in head else f"\n{head}" for head in BILINEAR_HEADS]
-        typer.echo("\n" + plain_table(heads, _bilinear_lines(found)))
-        typer.echo(BILINEAR_NOTE)
-        heads = [head if "\n" in head else f"\n{head}" for head in MODEL_HEADS]
-        typer.echo("\n" + plain_table(heads, _model_lines(found)))
+        typer.echo(plain_table(_heads(HEADS), _lines(found)))
+        typer.echo(_word("note"))
+        typer.echo("\n" + plain_table(_heads(BILINEAR_HEADS), _bilinear_lines(found)))
+        typer.echo(_word("bilinear_note"))
+        typer.echo("\n" + plain_table(_heads(MODEL_HEADS), _model_lines(found)))
         typer.echo("\n".join(_sums(result)))
-        typer.echo(f"Pictures and figures are in {out}/")
+        typer.echo(_word("written", folder=out))
 
 
+def _word(key: str, **fields: Any) -> str:
+    """A word or sentence, in the language that is spoken."""
+    return say(f"laboratory.{key}", **fields).spoken
+
+
+def _heads(keys: Sequence[str]) -> list[str]:
+    """Heads of a table, of two lines."""
+    return [f"\n{key}" if "%" in key else say(f"laboratory_head.{key}").spoken for key in keys]
+
+
+# Long: the keys of a file.
 def as_dict(found: Sequence[Compared]) -> dict[str, Any]:
     """All figures, for JSON."""
-    from drystone.laboratory.comparison import ratios, spread
+    from drystone.laboratory.comparison import (
+        energy_by_drift,
+        lacking_compliance,
+        ratios,
+        spread,
+    )
     from drystone.laboratory.walls import series
 
     rows: list[dict[str, Any]] = []
@@ -130,6 +139,8 @@ def as_dict(found: Sequence[Compared]) -> dict[str, Any]:
         "rows": rows,
         "computed_over_measured_peak": groups,
         "computed_over_measured_energy": spread(energies),
+        "computed_over_measured_energy_by_drift": energy_by_drift(found),
+        "lacking_compliance": lacking_compliance(found),
         "source": {key: said[key] for key in ("database", "citation")},
         "series": said["series"],
     }
@@ -137,18 +148,18 @@ def as_dict(found: Sequence[Compared]) -> dict[str, Any]:
 
 def _sums(result: dict[str, Any]) -> list[str]:
     energy = result["computed_over_measured_energy"]
-    of_energy = (
-        []
-        if energy is None
-        else [
-            f"energy of a cycle: computed over measured, median {energy['median']:.2f}, half of "
-            f"them between {energy['lower_quartile']:.2f} and {energy['upper_quartile']:.2f}, of "
-            f"{energy['n']}"
-        ]
-    )
-    return of_energy + [
-        f"{name}: computed over measured peak {group['mean']:.3f}, coefficient of variation "
-        f"{group['coefficient_of_variation']:.3f}, of {group['n']} (none left out)"
+    lines = [] if energy is None else [_word("energy", **energy)]
+    lines += [
+        _word("energy_by_drift", **within)
+        for within in result["computed_over_measured_energy_by_drift"]
+    ]
+    for group in result["lacking_compliance"]:
+        known = {key: 1e6 * group[key] for key in ("mean", "least", "greatest")}
+        force = 1e-3 * group["vertical_force"]
+        named = {"series": group["series"], "n": group["n"], "force": force}
+        lines.append(_word("compliance", **named, **known))
+    return lines + [
+        _word("peaks", group=say(f"laboratory.{name}"), **group)
         for name, group in result["computed_over_measured_peak"].items()
     ]
 
@@ -160,16 +171,17 @@ def _lines(found: Sequence[Compared]) -> list[list[str]]:
         for sense in one.senses():
             a, b = one.figures(sense)
             shares = [
-                "-" if x is None or y is None else f"{y / x:.2f}"
+                "-" if x is None or y is None else number(y / x, ".2f")
                 for x, y in zip(a.at_drift, b.at_drift, strict=True)
             ]
-            stiff = [f"{1e-6 * f.stiffness:.1f}" if sense > 0.0 else "-" for f in (a, b)]
+            stiff = [number(1e-6 * f.stiffness, ".1f") if sense > 0.0 else "-" for f in (a, b)]
             lines.append(
                 [
                     one.wall.name, "+" if sense > 0.0 else "-",
-                    f"{1e-3 * a.peak:.1f}", f"{1e-3 * b.peak:.1f}", f"{b.peak / a.peak:.3f}",
-                    f"{a.peak_drift:.2f}", f"{b.peak_drift:.2f}", *stiff, *shares,
-                    f"{seconds:.1f}" if sense > 0.0 else "",
+                    number(1e-3 * a.peak, ".1f"), number(1e-3 * b.peak, ".1f"),
+                    number(b.peak / a.peak, ".3f"),
+                    number(a.peak_drift, ".2f"), number(b.peak_drift, ".2f"), *stiff, *shares,
+                    number(seconds, ".1f") if sense > 0.0 else "",
                 ]
             )  # fmt: skip
     return lines
@@ -185,7 +197,7 @@ def _bilinear_lines(found: Sequence[Compared]) -> list[list[str]]:
                 *(figures.bilinear_values for figures in one.figures(sense)),
             ]
             cells = [
-                "-" if value is None else f"{value:.{digits}f}"
+                "-" if value is None else number(value, f".{digits}f")
                 for values, digits in zip(zip(*columns, strict=True), (1, 2, 2), strict=True)
                 for value in values
             ]
@@ -199,11 +211,11 @@ def _model_lines(found: Sequence[Compared]) -> list[list[str]]:
     return [
         [
             wall.name,
-            f"{1e-6 * wall.wall_modulus:.0f}",
-            wall.modulus_source,
-            f"{wall.joint_stiffness:.3g}",
-            f"{series()['series'][wall.series]['friction']:g}",
-            f"{1e-6 * wall.strength:.1f}",
+            number(1e-6 * wall.wall_modulus, ".0f"),
+            spoken(wall.modulus_source),
+            number(wall.joint_stiffness, ".3g"),
+            number(series()["series"][wall.series]["friction"], "g"),
+            number(1e-6 * wall.strength, ".1f"),
         ]
         for wall in (one.wall for one in found)
     ]

@@ -69,7 +69,7 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     curve that does not go far enough for a verdict is told in its `Sense`.
     """
     if ask.source.is_dir():
-        return _said_if_one(_of_folder(ask.source, amended, ask.out))
+        return _said_if_one(_of_folder(ask, amended))
     return _said_if_one(_of_model(ask, amended))
 
 
@@ -83,10 +83,38 @@ def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     check_request(request_of(model.site, model.assessment))  # better known before the work
     folder = ask.out or Path(f"{source.stem}-results")
     first = _traced_one(FORWARD, model, folder, ask)
-    both = True if model.assessment is None else model.assessment.values.get("opposite", True)
-    if ask.one_sense or not both:
+    if not _both(ask, model):
         return [first]
+    if first.curve is not None and first.curve.is_cyclic:
+        return [first, _judged_against(model, first.curve, folder, first.sha256)]
     return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
+
+
+def _both(ask: Tracing, model: Model) -> bool:
+    """Whether both senses are asked for."""
+    asked = True if model.assessment is None else model.assessment.values.get("opposite", True)
+    return bool(asked) and not ask.one_sense
+
+
+def _judged_against(model: Model, curve: CapacityCurve, folder: Path, sha256: str) -> Sense:
+    """The verdict on the envelope of a cyclic curve against the load."""
+    from drystone.assessment.verdict import sense_words, turned
+    from drystone.model.construction.errors import ModelError
+
+    try:
+        turned(model)
+    except (ModelError, ValueError) as error:  # of a pattern of one sense the last
+        problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
+        return Sense(
+            name=OPPOSITE,
+            model=model,
+            folder=folder,
+            curve=None,
+            verdict=None,
+            problem=problem,
+            warnings=(problem,),
+        )
+    return _judged(OPPOSITE, model, curve, folder, sha256, against=True)
 
 
 def _said_if_one(senses: list[Sense]) -> list[Sense]:
@@ -114,8 +142,11 @@ def worst(senses: Sequence[Sense]) -> Sense:
     return min(known, key=lambda one: one[0])[1] if known else senses[0]
 
 
-def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None) -> list[Sense]:
+def _of_folder(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
+    """The senses of a folder of results."""
     from drystone.report.folder.results import Results, check_opposite, load_results
+
+    source, out = ask.source, ask.out
 
     def judged(results: Results, name: str) -> Sense:
         if results.model is None:
@@ -134,6 +165,10 @@ def _of_folder(source: Path, amended: Callable[[Model], Model], out: Path | None
         opposite = load_results(source / OPPOSITE_FOLDER)
         check_opposite(opposite, forward)
         senses.append(judged(opposite, OPPOSITE))
+    elif forward.curve.is_cyclic and _both(ask, senses[0].model):
+        senses.append(
+            _judged_against(senses[0].model, forward.curve, out or source, forward.sha256)
+        )
     return senses
 
 
@@ -198,18 +233,27 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     )
 
 
-def _judged(name: str, model: Model, curve: CapacityCurve, folder: Path, sha256: str) -> Sense:
+def _judged(
+    name: str,
+    model: Model,
+    curve: CapacityCurve,
+    folder: Path,
+    sha256: str,
+    *,
+    against: bool = False,
+) -> Sense:
     """The verdict on a curve, or why there is none: its own fault, for that of the input is
-    raised."""
+    raised; ``against`` as of `verdict_on`."""
     from drystone.assessment.errors import UnfinishedError
     from drystone.assessment.request import request_of
-    from drystone.assessment.verdict import sense_words, verdict_on
+    from drystone.assessment.verdict import in_one_sense, sense_words, verdict_on
 
     request = request_of(model.site, model.assessment)
     try:
-        verdict = verdict_on(curve, model, request)
+        verdict = verdict_on(curve, model, request, against=against)
     except UnfinishedError as error:
         problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)
+        curve, model = in_one_sense(curve, model, against=against)
         return Sense(
             name=name,
             model=model,

@@ -43,6 +43,7 @@ class ExcessState:
     time_step: float
     static: float = 0.0  # multiplier of the last point
     drop: float = 0.0  # by which it differed from the one before
+    advance: float = 0.0  # m, motion of the control point over that
     told: float | None = None  # what virtual work said of it, where something seemed to be loose
     highest: float = 0.0
     highest_at: float = 0.0  # m, control displacement there
@@ -90,14 +91,9 @@ class ExcessControl:
                 reason = report.reason or "the blocks run away however little is applied"
                 return Decision(accept=False, demand=None, state=state, reason=reason)
             return Decision(accept=False, demand=self._demand(state), state=state)
-        finest = self._finest(max(state.highest, report.applied_multiplier))
-        if state.excess > (1.0 + tolerances.ROUNDING) * finest and self._yields(state, report):
-            # The finest of the step that is tried next, which the excess itself is part of.
-            finest = max(
-                self._finest(state.highest),
-                tolerances.HIDES / (1.0 - tolerances.HIDES) * max(state.static, 0.0),
-            )
-            state = changed(state, excess=max(0.5 * state.excess, finest))
+        less = self._less(state, report)
+        if less is not None:
+            state = changed(state, excess=less)
             return Decision(accept=False, demand=self._demand(state), state=state)
         # In a steady step the applied multiplier exceeds the static one by little more than the
         # excess.  Where it exceeds it by far more, a block has come loose, and its fall says
@@ -124,6 +120,8 @@ class ExcessControl:
             n_steps=state.n_steps + 1,
             static=static,
             drop=state.drop if loose else abs(static - state.static),
+            advance=abs(report.control_displacement - state.displacement)
+            / max(abs(static - state.static), tolerances.TINY),
             told=report.static_multiplier if loose else None,
         )
         state = self._begun(state, report, dynamic)
@@ -136,9 +134,44 @@ class ExcessControl:
         decision = self._go_on(state, report, dynamic)
         return changed(decision, load_multiplier=static, dynamic=dynamic)
 
+    def _less(self, state: ExcessState, report: StepReport) -> float | None:
+        """The smaller excess with which a step is tried again that hides a peak or a bend."""
+        nearer = self._nearer_to_peak(state, report)
+        if nearer is not None:
+            return nearer
+        finest = self._finest(max(state.highest, report.applied_multiplier))
+        if state.excess <= (1.0 + tolerances.ROUNDING) * finest or not self._yields(state, report):
+            return None
+        # The finest of the step that is tried next, which the excess itself is part of.
+        finest = max(
+            self._finest(state.highest),
+            tolerances.HIDES / (1.0 - tolerances.HIDES) * max(state.static, 0.0),
+        )
+        return max(0.5 * state.excess, finest)
+
     def _finest(self, highest: float) -> float:
         """The excess that hides neither a peak of that height nor a bend after it."""
         return max(tolerances.HIDES * highest, tolerances.FIRST_EXCESS * self.settings.increment)
+
+    def _nearer_to_peak(self, state: ExcessState, report: StepReport) -> float | None:
+        """The excess with which a step ends nearer to the peak that it has passed, or None.
+
+        Up to the peak it moves as in the step before, and from there by what exceeds it, while the
+        multiplier falls.
+        """
+        peak = report.multiplier_at_start
+        rise, fall = peak - state.static, peak - report.static_multiplier
+        known = tolerances.HIDES_NOTHING * tolerances.PEAK_SHARE * peak
+        beyond = state.excess - rise
+        if not (peak > state.highest and fall > known and rise > 0.0):
+            return None
+        moved = abs(report.control_displacement - state.displacement)
+        if not 0.0 < tolerances.SOFTER * state.advance * rise < moved:
+            return None  # as soft as before, or the first step
+        if not beyond > tolerances.LEAST_EXCESS * self.settings.increment:
+            return None
+        nearer = rise + 0.5 * beyond * known / fall
+        return nearer if nearer < tolerances.ALL_BUT * state.excess else None
 
     def _yields(self, state: ExcessState, report: StepReport) -> bool:
         """Whether a step begins where less than half of the excess is carried."""

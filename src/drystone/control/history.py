@@ -87,6 +87,7 @@ def seen(report: StepReport, sense: float) -> StepReport:
         applied_multiplier=-report.applied_multiplier,
         carried_multiplier=-report.carried_multiplier,
         static_multiplier=-report.static_multiplier,
+        multiplier_at_start=-report.multiplier_at_start,
         control_displacement=-report.control_displacement,
         path=path,
     )

@@ -9,7 +9,7 @@ accelerator can only help.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import ModuleType
@@ -32,6 +32,7 @@ from drystone.dynamics import sweeps as kernels
 from drystone.dynamics.plane import sweeps as plane
 from drystone.dynamics.space import sweeps as space
 from drystone.dynamics.sweeps import ContactProblem
+from drystone.law.branches import BACKWARD, FORWARD
 from drystone.law.residual import unbalanced_force
 from drystone.law.violation import joint_law_violation
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
@@ -158,6 +159,47 @@ def solve(
         n_sweeps=n_sweeps,
         n_corrections=accelerator.n_solved,
     )
+
+
+def friction_work(
+    problem: ContactProblem,
+    system: BlockSystem,
+    solved: NlgsResult,
+    loads: Sequence[Array],
+    h: float,
+    ties: TieImpulses | None = None,
+) -> list[float]:
+    """By how much the work of friction in a step changes with each of some loads more [J].
+
+    A load that presses a sliding joint raises its friction.  Under a load F more, on the branches
+    of the step, velocities v and impulses p change by
+
+        M dv = h F + H^T dp,        dp_n = -k_n h^2 dv_n,        dp_t = (p_t / p_n) dp_n,
+
+    the last in contacts that slide.  The work of their friction on the motion h u of the step then
+    changes by dp_t . u.
+
+    Parameters
+    ----------
+    loads
+        Each (n, n_dof) [N, N m].
+    """
+    settings = NlgsSettings(tolerance=0.0)  # nothing is iterated
+    accelerator = _Accelerator(problem, system, np.zeros_like(solved.velocity), h, settings, ties)
+    try:
+        changes, slides = accelerator.under(loads, solved.impulse, solved.velocity)
+    except SingularMatrixError:
+        return [0.0] * len(loads)
+    moved, grown = np.zeros_like(solved.impulse), np.zeros_like(solved.impulse)
+    contact_velocities(accelerator.dof, problem.contacts, solved.velocity, moved)
+    along = np.einsum("ki,ki->k", solved.impulse[slides, 1:], moved[slides, 1:])
+    stiffness = h * h * problem.contacts.table[slides, STIFF_N]
+    found = []
+    for change in changes:
+        contact_velocities(accelerator.dof, problem.contacts, change, grown)
+        pressed = -stiffness * grown[slides, 0]
+        found.append(float(along / solved.impulse[slides, 0] @ pressed))
+    return found
 
 
 class _Step:
@@ -337,6 +379,29 @@ class _Accelerator:
         except SingularMatrixError:
             return velocity
 
+    def under(
+        self, loads: Sequence[Array], impulse: Array, velocity: Array
+    ) -> tuple[list[Array], BoolArray]:
+        """Changes of the velocities (n, n_dof) under loads more, each (n, n_dof) [N, N m], on the
+        branches that impulses lie on, and whether contacts slide (n_contacts,); no changes where
+        none does.  Raises `SingularMatrixError`."""
+        piece, found = np.zeros(len(impulse), np.int64), np.zeros_like(impulse)
+        self.form.branches(self.problem, impulse, piece)
+        slides = (piece == FORWARD) | (piece == BACKWARD)
+        if not slides.any():
+            return [np.zeros_like(load) for load in loads], slides
+        self.penalty = STIFFEST_PENALTY * self.stiffest
+        self.form.branch_law(  # for the directions of slip
+            self.dof, self.problem, self.h, self.penalty, impulse[:, 1:].copy(), piece, velocity,
+            found, self.slip,
+        )  # fmt: skip
+        if self.ties:
+            self.ties.act(velocity)
+        self._fill_tangent(piece)
+        self.system.factorise()
+        given = [np.where(self.mass == 0.0, 0.0, self.h * load) for load in loads]
+        return [self.system.solve_again(momenta) for momenta in given], slides
+
     def _moves(
         self, impulse: Array, velocity: Array, penalties: Iterable[float], most: int | None = None
     ) -> Iterator[tuple[Array, Array]]:
@@ -366,7 +431,7 @@ class _Accelerator:
         self.defect[self.mass == 0.0] = 0.0
         return float(np.sqrt(np.sum(self.defect**2 * self.problem.inverse_mass)))
 
-    def _direction(self, piece: IntArray) -> Array:
+    def _fill_tangent(self, piece: IntArray) -> None:
         tangent = self.system.tangent
         for block in tangent:
             block[:] = 0.0
@@ -377,6 +442,9 @@ class _Accelerator:
         )
         if self.ties:
             self.ties.stiffen(tangent)
+
+    def _direction(self, piece: IntArray) -> Array:
+        self._fill_tangent(piece)
         direction: Array = self.system.solve(self.defect)
         self.n_solved += 1
         return direction

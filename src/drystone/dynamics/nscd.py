@@ -26,7 +26,7 @@ from drystone.common.tolerances import (
     NSCD_RESIDUAL,
     NSCD_TOLERANCE,
 )
-from drystone.contact.contacts import Pairs, Slots
+from drystone.contact.contacts import Contacts, Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.histories import Histories, handed_on
 from drystone.dynamics import nlgs
@@ -286,26 +286,32 @@ class NscdEngine(Engine[NscdState]):
         pose = state.prepared.assembly.moved(state.pose, increment)
         velocity = spun_by_impulses(solved.velocity, before, state.prepared.assembly.mass, h)
         new, reaction = self._arrive(state, pose, velocity, chosen, solved.impulse / h)
-        force = np.zeros_like(increment)
+        force, there = np.zeros_like(increment), np.zeros_like(increment)
         add_contact_forces(problem.contacts, reaction[chosen], force)
+        add_contact_forces(self._acted(new), reaction[chosen], there)
         if ties and own.ties:
-            ties.act(solved.velocity)
-            pulled = np.zeros_like(force)
-            ties.add_to(pulled)
-            force += pulled / h
-            own.ties.act(pose)
+            self._pull(own.ties, ties, solved.velocity, pose, force, there)
             new = replace(new, ties=own.ties.ended())
         acceleration = (solved.velocity - before) / h
+        inertia = loads.mass * acceleration
         certificate = certify(
             JudgedContacts.of_impulses(
                 problem.contacts, problem.gap, solved.velocity, reaction[chosen], h
             ),
-            Forces(contact=force, load=load, inertia=loads.mass * acceleration),
+            Forces(contact=force, load=load, inertia=inertia),
             state.prepared.extent,
             loads.fixed,
         )
+        certificate = own.ties.marked(certificate) if own.ties else certificate
+        at_end = own.loads.near(pose, demand.multiplier)
+        turned = there - force + at_end.dead + demand.multiplier * at_end.pattern - load
+        turned[loads.fixed | ~certificate.touched] = 0.0
         outcome = StepOutcome(
             multiplier=demand.multiplier,
+            friction=nlgs.friction_work(
+                problem, own.matrix, solved, (loads.pattern, inertia, turned), h, ties
+            ),
+            turned=float((turned * increment).sum()),
             pose=pose,
             increment=increment,
             acceleration=acceleration,
@@ -313,13 +319,30 @@ class NscdEngine(Engine[NscdState]):
             contact_force=force,
             slots=new.slots,
             status=new.status,
-            certificate=own.ties.marked(certificate) if own.ties else certificate,
+            certificate=certificate,
             motion=motion,
             n_iterations=solved.n_sweeps + solved.n_corrections,
             support_motion=state.support_motion + (demand.settlement or 0.0),
         )
         new = replace(new, support_motion=outcome.support_motion)
         return new, report(state.prepared.problem, loads, outcome)
+
+    def _pull(
+        self,
+        ties: TieForces,
+        impulses: TieImpulses,
+        velocity: Array,
+        pose: Array,
+        force: Array,
+        there: Array,
+    ) -> None:
+        """Add the forces of ties in a step to ``force``, and those at its end to ``there``."""
+        impulses.act(velocity)
+        pulled = np.zeros_like(force)
+        impulses.add_to(pulled)
+        force += pulled / impulses.h
+        ties.act(pose)
+        ties.add_to(there)
 
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far."""
@@ -388,6 +411,14 @@ class NscdEngine(Engine[NscdState]):
             ),
         )
         return new, reaction
+
+    def _acted(self, state: NscdState) -> Contacts:
+        """Contacts of the step, where it has led to."""
+        these = state.acted
+        assert these is not None
+        return state.prepared.detector.pack(
+            these.pairs, state.pose, these.slots, state.prepared.laws
+        )
 
     def _past(self, slots: Slots, reaction: Array) -> Histories:
         """Contacts with these reactions (n_slots, dim) [N]: all that this engine hands on."""

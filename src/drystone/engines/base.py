@@ -129,6 +129,9 @@ class StepReport:
     applied_multiplier: float = np.nan
     carried_multiplier: float = np.nan
     static_multiplier: float = np.nan
+    #: Static multiplier in the poses in which the step found its balance: those of its start for
+    #: engines that do not know better.
+    multiplier_at_start: float = np.nan
     control_displacement: float = np.nan  # m; of supports that move how far they went, m or rad
     reaction: float = 0.0  # N or N m, of supports that move, see `settlement`
     residual: float = np.nan

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,6 +37,12 @@ class StepOutcome:
     motion: float  # m, of the fastest block
     n_iterations: int
     support_motion: float = 0.0  # m or rad, by which supports have moved
+    #: J, by how much the work of friction changes with the load, at multiplier one, with the
+    #: inertia forces as a load, and with what ``turned`` is of; zeros of engines without inertia.
+    friction: Sequence[float] = (0.0, 0.0, 0.0)
+    #: J, work of what forces change by as they turn with the bodies, from where the step found its
+    #: balance to its end; zero where both are one.
+    turned: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +135,16 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
     # x.M a.  Blocks without a contact obey this whatever the multiplier, and say nothing of it.
     # Without motion along the load there is nothing to tell the two multipliers apart.
-    excess = resistance / push if abs(push) > ACROSS_THE_LOAD * strokes else 0.0
+    # At rest the load is F (lambda - lambda_s) less, and M a more, than it was in the step.  With
+    # it friction changes by its work r_F of one F and r_a of M a, so that
+    # (F.x + r_F) (lambda - lambda_s) = x.M a + r_a.  Where r_F takes all of F.x, joints jam.
+    # Forces that turn with the bodies by R up to the step's end are so much more of a load there.
+    (of_load, of_inertia, of_turned), least = outcome.friction, ACROSS_THE_LOAD * strokes
+    if (push + of_load) * push > 0.0 and abs(push + of_load) > least:
+        push, resistance = push + of_load, resistance + of_inertia
+    tells = abs(push) > least
+    excess = resistance / push if tells else 0.0
+    fall = (outcome.turned + of_turned) / push if tells else 0.0
     settlement, reaction = problem.settlement, 0.0
     applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
@@ -140,7 +156,8 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         applied_multiplier=multiplier,
         # Of a pattern without a resultant supports tell nothing.
         carried_multiplier=carried / loads.total if loads.along.any() else multiplier - excess,
-        static_multiplier=multiplier - excess,
+        multiplier_at_start=multiplier - excess,
+        static_multiplier=multiplier - excess - fall,
         control_displacement=reached,
         reaction=reaction,
         residual=outcome.certificate.residual / assembly.heaviest_weight,

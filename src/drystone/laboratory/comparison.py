@@ -20,16 +20,26 @@ from numpy.typing import NDArray
 from drystone.common.workers import Call, in_processes
 from drystone.laboratory.figures import Figures, amplitude, figures_of, loops_of
 from drystone.laboratory.models import SHEAR_SHARES, model_of
-from drystone.laboratory.walls import Wall, alike, crack_map, measured, wall_named, walls
+from drystone.laboratory.walls import (
+    Wall,
+    alike,
+    crack_map,
+    measured,
+    series,
+    wall_named,
+    walls,
+)
 
 Array = NDArray[np.float64]
 
-#: Variants of the model by name; the first is what the reports say.
-REPORTED = "reported"
+#: Variants of the model by name; the first is what the reports say.  The last one is of series
+#: whose reports do not say whether the beam could turn.
+REPORTED, LEVEL = "reported", "beam kept level"
 VARIANTS: dict[str, dict[str, Any]] = {
     REPORTED: {},
     "soft in shear": {"shear_share": SHEAR_SHARES[0]},
     "stiff in shear": {"shear_share": SHEAR_SHARES[1]},
+    LEVEL: {"level": True},
 }
 
 #: Drifts [%] of the cycles of cyclic walls; the last is about the measured end.
@@ -118,6 +128,47 @@ class Compared:
         ]
 
 
+#: Drifts [%] between which energies of cycles are counted together.
+DRIFT_CLASSES = ((0.0, 0.5), (0.5, 1.5), (1.5, 5.0))
+
+
+def energy_by_drift(found: Sequence[Compared]) -> list[dict[str, Any]]:
+    """Computed over measured energy of cycles, by classes of their drift, see `spread`."""
+    values = [
+        (one.wall.drift(amplitude), own / measured)
+        for one in found
+        for amplitude, measured, own in one.energies()
+    ]
+    classes = []
+    for low, high in DRIFT_CLASSES:
+        within = spread([ratio for drift, ratio in values if low <= drift < high])
+        if within is not None:
+            classes.append({"drift_from": low, "drift_to": high, **within})
+    return classes
+
+
+def lacking_compliance(found: Sequence[Compared]) -> list[dict[str, Any]]:
+    """By how much the measured wall yields more to its force than the computed one, 1 / K [m/N] at
+    the first rise, of all walls of a series under the same vertical force: mean, least and
+    greatest."""
+    groups: dict[tuple[str, float], list[float]] = {}
+    for one in found:
+        measured, own = one.figures(1.0)
+        group = groups.setdefault((one.wall.series, one.wall.vertical_force), [])
+        group.append(1.0 / measured.stiffness - 1.0 / own.stiffness)
+    return [
+        {
+            "series": series,
+            "vertical_force": force,
+            "n": len(values),
+            "mean": statistics.fmean(values),
+            "least": min(values),
+            "greatest": max(values),
+        }
+        for (series, force), values in sorted(groups.items())
+    ]
+
+
 def ratios(values: Sequence[float]) -> tuple[float, float]:
     """Mean and coefficient of variation of computed over measured."""
     mean = statistics.fmean(values)
@@ -180,7 +231,9 @@ def laboratory(
 def _keys(wall: Wall) -> list[tuple[str, str]]:
     """Wall and variant of its curves: of walls that are alike, those of the first."""
     like = next(other for other in walls() if alike(other, wall))
-    return [(like.name, name) for name in ([REPORTED] if wall.cyclic else VARIANTS)]
+    silent = series()["series"][wall.series]["beam_may_be_level"]
+    names = [name for name in VARIANTS if name != LEVEL or silent]
+    return [(like.name, name) for name in ([REPORTED] if wall.cyclic else names)]
 
 
 def computed(name: str, variant: str) -> Computed:

@@ -41,6 +41,7 @@ def model_of(
     history: Sequence[float] | None = None,
     farthest: float | None = None,
     points: int = POINTS,
+    level: bool = False,
 ) -> Model:
     """The model of a wall.
 
@@ -61,6 +62,8 @@ def model_of(
         Control displacement [m] where a curve that goes one way ends.
     points
         Contact points of a joint, each of which crushes at the strength of masonry.
+    level
+        Whether the beam is kept from turning, and goes up and down freely.
     """
     said = series()["series"][wall.series]
     n = round(wall.height / wall.unit_height)
@@ -79,6 +82,7 @@ def model_of(
             vertices=rectangle(0.0, wall.height, wall.length, top),
             unit_weight=wall.unit_weight,
             material="stone",
+            held=("turn",) if level else (),
         )
     )
     middle = np.array([0.5 * wall.length, top])

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.language import say
+
 Array = NDArray[np.float64]
 
 #: Of the largest displacement measured, up to which a reversal of a cyclic test is none: gauges
@@ -127,7 +129,7 @@ def _wall(row: Mapping[str, str], rows: list[dict[str, str]]) -> Wall:
     height, length, thickness = (1e-3 * float(row[key]) for key in ("H [mm]", "L [mm]", "t [mm]"))
     area = length * thickness
     force = 1e6 * float(row[STRESS]) * area
-    modulus, source = _number(row["Epc [MPa]"]), "of this wall"
+    modulus, source = _number(row["Epc [MPa]"]), say("laboratory.of_this_wall")
     if modulus is None:  # of walls of the series under the same stress
         same = [
             value
@@ -136,7 +138,7 @@ def _wall(row: Mapping[str, str], rows: list[dict[str, str]]) -> Wall:
             and other["Stone"] == row["Stone"]
             and (value := _number(other["Epc [MPa]"])) is not None
         ]
-        modulus, source = sum(same) / len(same), "of walls under the same stress"
+        modulus, source = sum(same) / len(same), say("laboratory.of_same_stress")
     figures = (
         "dmax,+ [%]", "Vmax,+ [kN]", "dmax,- [%]", "Vmax,- [kN]", "dy,+ [%]", "dy,- [%]",
         "du,+ [%]", "Vu,+ [kN]", "du,- [%]", "Vu,- [kN]", "Kel,+ [kN/mm]", "Keff,+ [kN/mm]",

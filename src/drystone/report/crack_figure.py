@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.language import say
 from drystone.geometry.motion import moved_points
 from drystone.laboratory.models import BEAM, model_of
 from drystone.report import canvas
@@ -55,7 +56,7 @@ def _plot_map(axes: Axes, compared: Compared) -> None:
 
     assert compared.crack_map is not None
     axes.imshow(imread(io.BytesIO(compared.crack_map), format="png"))
-    axes.set_title(f"{compared.wall.name}, crack map", fontsize=9)
+    axes.set_title(say("laboratory.crack_map", wall=compared.wall.name).spoken, fontsize=9)
     axes.set_axis_off()
 
 
@@ -86,7 +87,8 @@ def plot_cracks(axes: Axes, compared: Compared) -> None:
     axes.set_ylim(low[1] - MARGIN, high[1] + MARGIN)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    axes.set_title(f"{wall.name}, computed at {wall.drift(displacement):.1f} %", fontsize=9)
+    known = {"wall": wall.name, "drift": wall.drift(displacement)}
+    axes.set_title(say("laboratory.crack_computed", **known).spoken, fontsize=9)
 
 
 def _as_in_map(wall: Wall, points: Array) -> Array:

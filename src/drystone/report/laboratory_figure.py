@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drystone.common.language import say
 from drystone.report import canvas
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def plot_wall(axes: Axes, compared: Compared) -> None:
     cyclic = compared.wall.cyclic
     if len(compared.variants) > 1:
         at, least, greatest = compared.band()
-        label = "computed, range of what is not reported"
+        label = _word("band")
         axes.fill_between(
             1e3 * at,
             1e-3 * least,
@@ -53,17 +54,22 @@ def plot_wall(axes: Axes, compared: Compared) -> None:
             zorder=2,
         )
     width = 0.7 if cyclic else 1.4
-    axes.plot(1e3 * x, 1e-3 * y, color=MEASURED, linewidth=width, label="measured", zorder=3)
+    axes.plot(1e3 * x, 1e-3 * y, color=MEASURED, linewidth=width, label=_word("measured"), zorder=3)
     axes.plot(
         1e3 * curve.displacement,
         1e-3 * curve.force,
         color=COMPUTED,
         linewidth=1.2 if cyclic else 1.6,
         linestyle="--",
-        label="computed",
+        label=_word("computed"),
         zorder=4,
     )
     axes.set_title(f"{compared.wall.name} ({compared.wall.failure})", fontsize=10)
-    axes.set_xlabel("displacement at the load [mm]", fontsize=9)
-    axes.set_ylabel("horizontal force [kN]", fontsize=9)
+    axes.set_xlabel(_word("displacement"), fontsize=9)
+    axes.set_ylabel(_word("force"), fontsize=9)
     axes.tick_params(labelsize=8)
+
+
+def _word(key: str) -> str:
+    """A word, in the language that is spoken."""
+    return say(f"laboratory.{key}").spoken

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,15 @@ FINISHED, STOPPED = "finished", "stopped"
 
 class RecorderError(Exception):
     """Points of a curve cannot be kept as they come; the message is for the user."""
+
+
+#: What of points, events and blocks that left is counted along the load.
+COUNTED_ALONG = (
+    "control_displacement",
+    "load_multiplier",
+    "applied_multiplier",
+    "carried_multiplier",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +114,10 @@ class BlockLeft:
     def __str__(self) -> str:
         place = self.displacement_text.removesuffix(" m")
         return str(say("end.block_left", block=self.block, place=place, step=self.step))
+
+
+#: What `CapacityCurve.outward` counts along a sense.
+Counted = TypeVar("Counted", CurvePoint, BlockLeft, Event)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -461,13 +474,14 @@ class CapacityCurve:
             events=tuple(e for e in self.events if e.step < n),
         )
 
-    def outward(self) -> CapacityCurve:
-        """Of a cyclic curve its envelope in the sense of the load, as a curve of one sense: points
-        farther out than any before, with what had happened up to each.
+    def outward(self, sense: float = 1.0) -> CapacityCurve:
+        """Of a cyclic curve its envelope in the sense of the load, or in the other (-1), as a curve
+        of one sense: points farther out than any before, with what had happened up to each.
 
-        It is complete where the cyclic one ends in a collapse in that sense.
+        In the other sense displacements and multipliers are counted along that.  It is complete
+        where the cyclic one ends in a collapse in the sense.
         """
-        x = self.control_displacement
+        x = sense * self.control_displacement
         farthest = np.maximum.accumulate(np.concatenate(([0.0], x[:-1])))
         rows = np.concatenate(([0], 1 + np.flatnonzero(x[1:] > farthest[1:])))
 
@@ -475,19 +489,30 @@ class CapacityCurve:
             """The last point kept that is not behind a step."""
             return int(np.searchsorted(rows, step, side="right")) - 1
 
+        def along(record: Counted, step: int) -> Counted:
+            """A record at a step of the envelope, counted along the sense."""
+            counted = {
+                name: 0.0 - getattr(record, name)
+                for name in COUNTED_ALONG
+                if sense < 0.0 and hasattr(record, name)
+            }
+            return replace(record, step=step, **counted)
+
+        last = self.ended_by
         collapsed = self.status == FINISHED and (
-            self.ended_by is not None or (self._ultimate_of_cycles or 0.0) > 0.0
+            sense * (self._ultimate_of_cycles or 0.0) > 0.0
+            or (last is not None and sense * last.control_displacement >= 0.0)
         )
         return replace(
             self,
             strategy=DISPLACEMENT,
-            points=tuple(replace(self.points[k], step=i) for i, k in enumerate(rows)),
+            points=tuple(along(self.points[k], i) for i, k in enumerate(rows)),
             poses=None if self.poses is None else self.poses[rows],
             contacts=None if self.contacts is None else tuple(self.contacts[k] for k in rows),
             ties=None if self.ties is None else self.ties.at_rows(rows),
-            blocks_left=tuple(replace(b, step=at(b.step)) for b in self.blocks_left),
-            events=tuple(replace(e, step=at(e.step)) for e in self.events),
-            ended_by=self.ended_by and replace(self.ended_by, step=at(self.ended_by.step)),
+            blocks_left=tuple(along(b, at(b.step)) for b in self.blocks_left),
+            events=tuple(along(e, at(e.step)) for e in self.events),
+            ended_by=last and along(last, at(last.step)),
             status=FINISHED if collapsed else STOPPED,
         )
 

@@ -148,13 +148,14 @@ def _cycle(x: Array, y: Array, begin: float, end: float, *, closed: bool) -> Cyc
         least=float(along[low]),
         force_at_greatest=float(force[top]),
         force_at_least=float(force[low]),
-        residual_after_greatest=_residual(along, force, top),
-        residual_after_least=_residual(along, force, low),
+        residual_after_greatest=_residual(x, y, math.ceil(place[top])),
+        residual_after_least=_residual(x, y, math.ceil(place[low])),
     )
 
 
 def _residual(along: Array, force: Array, begin: int) -> float | None:
-    """Displacement [m] where the force first passes zero after a point."""
+    """Displacement [m] where the force first passes zero after a point: behind the second extreme
+    of a cycle that may be in the next one."""
     sign = math.copysign(1.0, force[begin])
     for k in range(begin, len(force) - 1):
         a, b = sign * force[k], sign * force[k + 1]

@@ -64,6 +64,26 @@ def of_model(model: Model, words: Words) -> list[Row]:
     return rows
 
 
+def of_cycles(curve: CapacityCurve, words: Words) -> dict[str, Any] | None:
+    """A head, and a row for each cycle of a curve that goes to and fro; None without any."""
+    if not curve.cycles:
+        return None
+    rows = []
+    for k, cycle in enumerate(curve.cycles, 1):
+        stiffness = cycle.secant_stiffness
+        values = (
+            cycle.energy,
+            cycle.damping,
+            None if stiffness is None else 1e-3 * stiffness,
+            cycle.greatest,
+            cycle.least,
+            cycle.residual_after_greatest,
+            cycle.residual_after_least,
+        )
+        rows.append((str(k), *(number(value) for value in values)))
+    return {"head": list(words.values()), "rows": rows}
+
+
 def of_materials(assembly: Assembly) -> list[tuple[str, ...]]:
     """Material, unit weight, number of blocks, their weight; supports apart."""
     found: dict[tuple[str, float], list[int]] = {}

@@ -65,7 +65,8 @@ def curve_picture(
         low, high = min(low, float(np.nanmin(static))), max(high, float(np.nanmax(static)))
         far = min(far[0], float(x.min())), max(far[1], float(x.max()))
     axes.set_xlim(far[0], far[1] + 0.03 * (far[1] - far[0]))
-    axes.set_ylim(low, high + 0.12 * ((high - low) or 1e-9))  # a name stands above the peak
+    margin = 0.12 * ((high - low) or 1e-9)  # for a name above the peak
+    axes.set_ylim(low - (0.5 * margin if first.is_cyclic else 0.0), high + margin)
     if quantities.moves_supports:
         axes.set_xlabel(words["motion"].format(unit=quantities.motion_unit))
         axes.set_ylabel(words["reaction"].format(unit=quantities.force_unit))

@@ -75,10 +75,14 @@ class Judged:
 
     def sense_sentence(self, text: Mapping[str, str]) -> str:
         """Which senses were traced."""
-        if self.opposite is None:
-            return text["sense_without"]
+        cyclic = self.folder.results.curve.is_cyclic
         sense = str(self.data.get("governing_sense") or NOTHING)
-        return text["senses"].format(sense=spoken(sense_words(sense)))
+        which = {"sense": spoken(sense_words(sense))}
+        if self.opposite is not None:
+            return text["senses"].format(**which)
+        if cyclic and len(self.data.get("senses") or ()) > 1:
+            return text["senses_cyclic"].format(**which)
+        return text["sense_cyclic" if cyclic else "sense_without"]
 
     @property
     def demand_spectra(self) -> dict[str, tuple[Spectrum, float]]:

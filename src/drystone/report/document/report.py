@@ -80,6 +80,7 @@ def _language_asked(found: Folder) -> str:
     return str(found.assessment.get("language") or asked.get("language") or "en")
 
 
+# Long: a line for each part of the page.
 def context(found: Folder, date: datetime | None) -> dict[str, Any]:
     """What the template is given, in the language that is spoken."""
     t = words()
@@ -112,6 +113,7 @@ def context(found: Folder, date: datetime | None) -> dict[str, Any]:
         "analysis": supports.of_analysis(curve, model, t["facts"])
         if moves_supports
         else facts.of_analysis(curve, model, results.summary, t["facts"]),
+        "cycles": facts.of_cycles(curve, t["cycles"]),
         "certificate": facts.of_certificate(curve, model, t["facts"]),
         "states": [_shown(s, mechanism, t) for s, mechanism in zip(shown, mechanisms, strict=True)],
         "legend": [(sign, t["legend"][key]) for sign, key in signs],

@@ -59,8 +59,17 @@ class Folder:
 
     @property
     def governs(self) -> bool:
-        """Whether the assessment's own figures are those of this sense."""
-        return self.assessment.get("governing_sense", self.sense) == self.sense
+        """Whether the assessment's own figures are those of this curve: a cyclic one has both
+        senses."""
+        sense = self.assessment.get("governing_sense", self.sense)
+        return sense == self.sense or self.results.curve.is_cyclic
+
+    @property
+    def governing_sign(self) -> float:
+        """What the assessment counts along its sense times this is counted along the curve's: -1
+        where of a cyclic curve the envelope against the load governs."""
+        sense = self.assessment.get("governing_sense", self.sense)
+        return 1.0 if sense == self.sense or not self.governs else -1.0
 
     @property
     def limit_states(self) -> dict[str, dict[str, Any]]:
@@ -76,14 +85,16 @@ class Folder:
         curve = self.results.curve
         if not curve.points:
             return []
+        sign = self.governing_sign
         x, y = curve.control_displacement, curve.load_multiplier
-        after = curve.points.index(curve.peak)
+        after = curve.points.index(curve.peak if sign > 0.0 else curve.lowest)
         found = []
         for name, state in self.limit_states.items():
             place = _number(state.get("limit_control_displacement"))
+            place = None if place is None else sign * place
             if place is None or not x.min() <= place <= x.max():
                 continue
-            on = np.arange(len(x)) >= (after if place >= x[after] else 0)
+            on = np.arange(len(x)) >= (after if sign * (place - x[after]) >= 0.0 else 0)
             row = int(np.argmin(np.where(on, np.abs(x - place), np.inf)))
             found.append(
                 Mark(
