@@ -12,18 +12,29 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from drystone.cli.outcome import tell
 
 #: Engines that are interpreted fast enough to be rehearsed, and that start no other program.
 REHEARSED = ("equilibrium", "nscd")
-#: Steps of the rehearsal's analysis, and how long they are [m], by dimension.  In the plane steps
-#: that joints slide in are solved by other kernels than the first ones: these are reached after
-#: some fifteen steps of 0.15 of a block.  In space the first step needs them all.
-STEPS, LENGTH = {2: 20, 3: 4}, {2: 0.03, 3: None}
-#: What is said of how long it takes, by dimension.
-FORECAST = {2: "half a minute or so", 3: "a minute or so"}
+
+
+class Rehearsal(NamedTuple):
+    """A run that needs the kernels of most others of its dimension."""
+
+    forecast: str  # what is said of how long compiling takes
+    solid: bool
+    options: dict[str, Any]
+
+
+#: By dimension.  In the plane steps that joints slide in are solved by other kernels than the first
+#: ones: these are reached after some fifteen steps of 0.15 of a block.  In space the first step
+#: needs them all.
+REHEARSALS = {
+    2: Rehearsal("half a minute or so", False, {"max_steps": 20, "displacement_step": 0.03}),
+    3: Rehearsal("a minute or so", True, {"max_steps": 4}),
+}
 
 
 @contextmanager
@@ -45,7 +56,7 @@ def compiling(engine: str, dimension: int, *, quiet: bool) -> Iterator[None]:
             return
         told = True
         if not quiet:
-            forecast = FORECAST[dimension]
+            forecast = REHEARSALS[dimension].forecast
             tell([f"compiling, once on this machine: {forecast} where nothing else runs"])
         if engine in REHEARSED and _processors() > 1:
             with suppress(OSError):  # it is only a help
@@ -101,12 +112,11 @@ def _small_run(engine: str, dimension: int) -> None:
         thickness=0.5,
         load_direction=(1.0, 0.0),
     )
-    if dimension == 3:
+    rehearsal = REHEARSALS[dimension]
+    if rehearsal.solid:
         model = extruded(model)
     limits_beside(model)
-    length = LENGTH[dimension]
-    options: dict[str, Any] = {} if length is None else {"displacement_step": length}
-    ds.pushover(model, engine=engine, max_steps=STEPS[dimension], progress=False, **options)
+    ds.pushover(model, engine=engine, progress=False, **rehearsal.options)
 
 
 if __name__ == "__main__":
