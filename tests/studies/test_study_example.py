@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.studies.read import read_study
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "studies" / "wall1.toml"
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "wall1_study.toml"
 
 
 def test_the_example_draws_friction_as_it_says():

@@ -11,6 +11,7 @@ import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -175,6 +176,59 @@ def test_a_complete_curve_goes_on_to_another_end(tmp_path):
         ds.resume(tmp_path / "out", friction=0.3)
 
 
+SINKS = """
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 20e3
+[joint]
+friction_coefficient = 0.6
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[[block]]
+id = "left"
+vertices = [[-1.0, -0.3], [0.4, -0.3], [0.4, 0.0], [-1.0, 0.0]]
+support = true
+[[block]]
+id = "right"
+vertices = [[0.6, -0.3], [2.0, -0.3], [2.0, 0.0], [0.6, 0.0]]
+support = true
+[[block]]
+id = "lintel"
+vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.2], [0.0, 0.2]]
+[settlement]
+blocks = ["right"]
+direction = [0.0, -1.0]
+max = MAX
+"""
+
+
+def test_supports_go_farther(tmp_path):
+    """The curve goes on beyond where they were to stop, and ends where one that went there does."""
+
+    def going(largest: float) -> ds.Model:
+        path = tmp_path / "model.toml"
+        path.write_text(SINKS.replace("MAX", str(largest)))
+        return ds.read_model(path)
+
+    far = ds.pushover(going(0.02))
+    near = ds.pushover(going(0.01), recorder=ds.ResultsDirectory(tmp_path / "out"))
+    extended = ds.resume(tmp_path / "out", settlement=0.02)
+    assert near.status == extended.status == far.status == "finished"
+    assert len(near.points) < len(extended.points)
+    assert extended.control_displacement[-1] == pytest.approx(far.control_displacement[-1])
+    assert extended.reaction[-1] == pytest.approx(far.reaction[-1], rel=1e-6)
+    for amount, said in ((0.01, "goes to 0.02 m already"), (-0.01, "must be")):
+        with pytest.raises(EngineError, match=said):
+            ds.resume(tmp_path / "out", settlement=amount)
+
+
+def test_supports_that_do_not_move_go_no_farther(tmp_path):
+    paused(tmp_path / "out")
+    with pytest.raises(EngineError, match="do not move"):
+        ds.resume(tmp_path / "out", settlement=0.01)
+
+
 def test_max_time_pauses(tmp_path):
     model = ds.read_model(EXAMPLES / "two_blocks.toml").with_analysis(max_time=1e-3)
     curve = ds.pushover(model, recorder=ds.ResultsDirectory(tmp_path / "out"))
@@ -322,6 +376,45 @@ def test_an_assessment_of_a_killed_run_says_what_it_lacks(killed):
     told = CliRunner().invoke(app, ["assess", str(killed)])
     assert told.exit_code == 3 and "the curve does not come down to it" in told.output
     assert "was killed" in told.output
+
+
+@pytest.mark.parametrize("stopped", [None, "out", "out/opposite"])
+def test_an_assessment_of_both_senses_goes_on(tmp_path, monkeypatch, stopped):
+    """Whichever sense was stopped; none is traced again that is complete."""
+    model, out = EXAMPLES / "wall_at_a_site.toml", tmp_path / "out"
+    whole = CliRunner().invoke(app, ["assess", str(model), "--out", str(tmp_path / "w"), "--json"])
+    assert whole.exit_code == 0
+    folder = tmp_path / (stopped or "")
+    begin = ds.ResultsDirectory.begin
+
+    def stops(self, *about):
+        begin(self, *about)
+        if self.path == folder:
+            self.point = partial(interrupts, self.point)
+
+    def interrupts(take, point, *state):
+        if point.step == 20:
+            raise KeyboardInterrupt
+        take(point, *state)
+
+    ask = ["assess", str(model), "--out", str(out), "--json"]
+    with monkeypatch.context() as patch:
+        patch.setattr(ds.ResultsDirectory, "begin", stops)
+        first = CliRunner().invoke(app, ask)
+    assert first.exit_code == (130 if stopped else 0)
+    complete = [path for path in out.rglob("results.h5") if path.parent != folder]
+    written = {path: path.stat().st_mtime_ns for path in complete}
+    again = CliRunner().invoke(app, [*ask, "--resume"])
+    assert again.exit_code == 0, again.output
+    assert {path: path.stat().st_mtime_ns for path in complete} == written
+    known, found = json.loads(whole.stdout), json.loads(again.stdout)
+    for key in ("safety_index", "governing_sense", "activation_multiplier", "limit_states"):
+        assert known[key] == found[key]
+    text = model.read_text().replace("friction_coefficient = ", "friction_coefficient = 0.9 #")
+    (tmp_path / "other.toml").write_text(text)
+    ask[1] = str(tmp_path / "other.toml")
+    other = CliRunner().invoke(app, [*ask, "--resume"])
+    assert other.exit_code == 2 and "the run of another model" in other.output
 
 
 # The journal.

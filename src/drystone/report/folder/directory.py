@@ -224,7 +224,8 @@ class ResultsDirectory:
         clear_derived(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
         writer = ResultsWriter.going_on(self.path / RESULTS, n_points)
-        writer.describe(model, *self._names, part_of=self._part_of)
+        if self._kept is not None and model is not self._kept.model:
+            writer.extend(model)
         return writer
 
     def _withdraw(self, writer: ResultsWriter | None, draft: Path, *, made: bool) -> None:
