@@ -17,8 +17,10 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import drystone as ds
@@ -96,7 +98,7 @@ def child(path: str, engine: str, options: dict[str, Any], folder: str, on: bool
     """A run, or one that goes on, which keeps a state before every step and says when it has its
     first point; the exit status.
 
-    One in several directions keeps states as rarely as others do, and says nothing.
+    One in several directions keeps states as rarely as others do.
     """
     from drystone.cli import directions
     from drystone.io.results import hdf5
@@ -113,7 +115,7 @@ def child(path: str, engine: str, options: dict[str, Any], folder: str, on: bool
 
     number = int(options.pop("directions", 0))
     if number:
-        print("up", flush=True)
+        Thread(target=told_when_written, args=(Path(folder),), daemon=True).start()
     if on and number:
         return directions.resume_directions(
             Path(folder), {}, processes=number, as_json=True, quiet=True
@@ -132,6 +134,22 @@ def child(path: str, engine: str, options: dict[str, Any], folder: str, on: bool
         )
     ds.pushover(model, engine=engine, recorder=ds.ResultsDirectory(folder), progress=seen)
     return 0
+
+
+def told_when_written(folder: Path) -> None:
+    """Say when a direction has written its first point, or another state."""
+
+    def written() -> dict[Path, float]:
+        names = ("results.h5", "checkpoint.npz")
+        found = [path for name in names for path in folder.glob(f"*/{name}")]
+        with suppress(FileNotFoundError):  # another has taken its place
+            return {path: path.stat().st_mtime for path in found}
+        return {}
+
+    before = written()
+    while written() in (before, {}):
+        time.sleep(0.05)
+    print("up", flush=True)
 
 
 def digest(folder: Path) -> list[tuple[Any, ...]]:

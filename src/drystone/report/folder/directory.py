@@ -26,7 +26,7 @@ from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
-from drystone.io.results.own_files import clear, clear_derived
+from drystone.io.results.own_files import check_free, clear, clear_derived
 from drystone.limit.beside import Beside
 from drystone.model.model import Model
 from drystone.model.ties import TieState
@@ -72,6 +72,8 @@ class ResultsDirectory:
         Of pictures beside PNG: "svg", "pdf".
     part_of
         Digest of the model in the folder above, of which this is the other sense.
+    takes_over
+        Called once the first point is on the disk, before earlier results go.
 
     Raises
     ------
@@ -88,6 +90,7 @@ class ResultsDirectory:
         aside: Aside | None = None,
         formats: Sequence[str] = (),
         part_of: str = "",
+        takes_over: Callable[[], None] | None = None,
     ) -> None:
         self.path = Path(path)
         self.beside = beside or Beside()  # may be said later, before the end
@@ -98,6 +101,7 @@ class ResultsDirectory:
         self._model: Model | None = None
         self._names = ("", "")
         self._part_of = part_of
+        self._takes_over = takes_over
         self._ties: TieState | None = None  # of the point to come
         self._writer: ResultsWriter | None = None
         self._lock: FolderLock | None = None
@@ -203,6 +207,9 @@ class ResultsDirectory:
         try:
             writer = in_a_sentence(lambda: self._open(draft))
             in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
+            in_a_sentence(lambda: check_free(self.path))
+            if self._takes_over is not None:
+                in_a_sentence(self._takes_over)
         except OutputError:
             self._withdraw(writer, draft, made=made)
             raise
