@@ -41,8 +41,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Seconds between two checkpoints: at least these, and as many times those that one takes, so that
-#: they cost a hundredth of the run; at most those, of work that a kill may cost.
-SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 25.0
+#: they cost a hundredth of the run; at most those, of work that a kill may cost beside the step
+#: that it cuts off.
+SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 15.0
 #: Name of results before their first point is on the disk.
 DRAFT = RESULTS + ".part"
 
