@@ -219,6 +219,8 @@ def test_supports_go_farther(tmp_path):
     assert len(near.points) < len(extended.points)
     assert extended.control_displacement[-1] == pytest.approx(far.control_displacement[-1])
     assert extended.reaction[-1] == pytest.approx(far.reaction[-1], rel=1e-6)
+    again = ds.resume(tmp_path / "out", settlement=0.02)  # a command repeated after a kill
+    assert same(again, extended)
     for amount, said in ((0.01, "goes to 0.02 m already"), (-0.01, "must be")):
         with pytest.raises(EngineError, match=said):
             ds.resume(tmp_path / "out", settlement=amount)

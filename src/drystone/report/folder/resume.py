@@ -130,7 +130,7 @@ def _farther(model: Model, amount: float | None) -> Model:
         raise EngineError(f"{SETTLEMENT}: the supports of this model do not move")
     if amount is None or problem(SETTLEMENT, amount):
         raise EngineError(f"{SETTLEMENT}: {problem(SETTLEMENT, amount) or 'must be a number'}")
-    if amount <= settlement.max:
+    if amount < settlement.max:  # as far may be asked for again, after a kill
         unit = "degrees" if settlement.rotates else "m"
         raise EngineError(
             f"{SETTLEMENT}: the run goes to {settlement.max:g} {unit} already: take more"
