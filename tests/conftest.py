@@ -5,7 +5,8 @@ from hypothesis import settings
 
 from drystone.cli import compiler
 from drystone.io.results import hdf5
-from drystone.report.folder import directory
+from drystone.limit.beside import Beside
+from drystone.report.folder import directory, resume
 
 # A first call may compile for seconds; the examples are the same in every run.
 settings.register_profile("drystone", deadline=None, derandomize=True)
@@ -17,6 +18,14 @@ def untold(monkeypatch):
     """What a command says does not depend on whether its kernels were compiled before."""
     monkeypatch.setattr(compiler, "tell", lambda sentences: None)
     monkeypatch.setattr(compiler, "_processors", lambda: 1)
+
+
+@pytest.fixture
+def bare(monkeypatch):
+    """Folders of results without pictures, ParaView files and limit analysis, which take most of
+    the time of a run of a few blocks."""
+    monkeypatch.setattr(directory, "write_long", lambda done, aside: None)
+    monkeypatch.setattr(resume, "limits_beside", lambda model: Beside())
 
 
 @pytest.fixture

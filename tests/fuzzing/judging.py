@@ -8,8 +8,10 @@ whatever comes of that is finite and as good as its certificate says.
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -194,6 +196,39 @@ def of_spectrum(path: Path, draw: Random) -> str:
     finite("S_De", found.sd(periods, 0.05))
     finite("T_C", found.corner_period)
     finite("scaled", found.scaled(1.0).sa(periods, 0.1))
+    return RAN
+
+
+#: Samples of a study of which one is computed, and what it may take [s].
+FEW_SAMPLES, STUDY_SECONDS = 1000, 3.0
+
+
+def of_study(path: Path, draw: Random) -> str:
+    """A study is read, its samples are drawn, and the last one is computed."""
+    from drystone.studies.errors import StudyError
+    from drystone.studies.read import read_study
+    from drystone.studies.sample import FAILED, compute
+
+    try:
+        study = read_study(path)
+        if study.target is not None or study.task.function is not None:
+            return READ
+        if study.count > FEW_SAMPLES:
+            return READ
+        values = study.values_at(study.count - 1)
+    except StudyError as error:
+        return clear(error.problems, path)
+    task = replace(study.task, timeout=min(study.task.timeout or STUDY_SECONDS, STUDY_SECONDS))
+    row = compute(task, study.count - 1, values).row
+    if row["status"] == FAILED:
+        said = str(row["reason"])
+        if re.match(r"\w+(Error|Exception|Warning|Fault): ", said):
+            raise Fault(TRACEBACK, said[:300])
+        clear([said])
+        return STOPPED
+    for name in ("peak_multiplier", "capacity_multiplier", "limit_associative"):
+        if row.get(name) is not None:
+            finite(name, row[name])
     return RAN
 
 

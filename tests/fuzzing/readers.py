@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -61,6 +62,26 @@ def _drawing(ending: str) -> Reader:
     return Reader(file=f"a.{ending}", made=made, look=look, beside=beside)
 
 
+def _study(draw: Random) -> bytes:
+    data = tomllib.loads(draw.choice(sound.STUDIES))
+    return json.dumps(changes.changed_tables(data, draw)).encode()
+
+
+def _study_text(draw: Random) -> bytes:
+    return changes.changed_bytes(draw.choice(sound.STUDIES).encode(), draw)
+
+
+def _beside_studies(draw: Random) -> dict[str, bytes]:
+    return {"model.toml": sound.MODELS["plane"].encode()}
+
+
+def _history(path: Path, draw: Random) -> str:
+    """A file of displacements is read as a model names it."""
+    model = path.with_name("model.toml")
+    model.write_text(sound.of_history(path.name), encoding="utf-8")
+    return judging.of_model(model, draw)
+
+
 def _script(ending: str) -> Reader:
     def made(draw: Random) -> bytes:
         return changes.changed_bytes(draw.choice(sound.scripts(ending)), draw)
@@ -94,6 +115,13 @@ READERS: dict[str, Reader] = {
     "lmgc90": _script("py"),
     "spectrum": _table("spectrum.csv", judging.of_spectrum),
     "record": _table("record.csv", judging.of_record),
+    "history": _table("history.txt", _history),
+    "study": Reader(
+        file="study.json", made=_study, look=judging.of_study, beside=_beside_studies, share=2
+    ),
+    "study-text": Reader(
+        file="study.toml", made=_study_text, look=judging.of_study, beside=_beside_studies
+    ),
 }
 
 

@@ -293,14 +293,90 @@ duration = 0.5
 
 #: Models of the examples that lay hundreds of blocks: these are read, and small ones run.
 EXAMPLES = (
-    *sorted((ROOT / "examples").glob("*.toml")),
+    *sorted(
+        set((ROOT / "examples").glob("*.toml")) - set((ROOT / "examples").glob("*_study.toml"))
+    ),
     *sorted((ROOT / "examples" / "builders").glob("*.toml")),
 )
 
 TABLES = {
     "spectrum.csv": "T,Se\n0.0,0.2\n0.1,0.5\n0.4,0.5\n1.0,0.2\n2.0,0.1\n4.0,0.025\n",
     "record.csv": "t,a\n" + "".join(f"{0.05 * k:.2f},{0.3 * (-1) ** k:.2f}\n" for k in range(40)),
+    "history.txt": "# m\n0.001\n-0.001  # back\n\n0.002\n-0.002\n0\n",
 }
+
+#: Study files, of a model beside them.
+STUDIES = (
+    """
+title = "Friction"
+model = "model.toml"
+design = "lhs"
+samples = 8
+seed = 3
+outputs = ["curve", "limit"]
+timeout = 5.0
+[[parameter]]
+path = "joint.friction_coefficient"
+name = "friction"
+distribution = "norm"
+mean = 0.6
+std = 0.05
+bounds = [0.3, 0.9]
+[[parameter]]
+path = "material.stone.unit_weight"
+apply = "multiply"
+range = [0.9, 1.1]
+[[correlation]]
+between = ["friction", "material.stone.unit_weight"]
+value = 0.5
+[imperfection]
+vertices = 0.001
+loose = 0.1
+loose_gap = 0.002
+blocks = ["b*"]
+[[fragility]]
+method = "capacity"
+capacity = "peak_multiplier"
+""",
+    """
+model = "model.toml"
+design = "grid"
+[[parameter]]
+path = "joint.friction_coefficient"
+values = [0.4, 0.5, 0.6]
+[[parameter]]
+path = ["joint.normal_stiffness", "joint.shear_stiffness"]
+name = "stiffness"
+apply = "multiply"
+range = [0.5, 2.0]
+steps = 3
+""",
+    """
+model = "model.toml"
+design = "saltelli"
+samples = 4
+second_order = true
+[[parameter]]
+path = "load.direction"
+values = [[1.0, 0.0], [-1.0, 0.0]]
+[[parameter]]
+path = "joint.friction_coefficient"
+distribution = "uniform"
+mean = 0.6
+std = 0.05
+""",
+    """
+model = "model.toml"
+[target]
+output = "peak_multiplier"
+value = 0.3
+tolerance = 0.01
+most_runs = 8
+[[target.parameter]]
+path = "joint.friction_coefficient"
+range = [0.2, 0.8]
+""",
+)
 
 
 @cache
@@ -494,6 +570,11 @@ def scripts(ending: str) -> tuple[bytes, ...]:
         model = model_from_text(MODELS[name], source=None, sha256="")
         found.append(target_of(f"a.{ending}").write(model, f"a.{ending}").text.encode())
     return tuple(found)
+
+
+def of_history(name: str) -> str:
+    """A model whose control point goes where a file says."""
+    return MODELS["plane"] + f'[control]\nhistory = "{name}"\n'
 
 
 def importing(name: str, dimension: int) -> str:

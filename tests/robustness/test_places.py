@@ -133,11 +133,12 @@ def test_a_disk_without_space_for_the_first_point(disk, whole):
     shutil.copytree(whole, folder)
     disk.fill()
     before = contents(folder)
-    code, said = drystone("run", MODEL, "--out", folder)
-    assert code == 2 and "No space left on device" in said
-    assert contents(folder) == before
-    code, said = drystone("run", MODEL, "--out", disk.path / "new")
-    assert code == 2 and not (disk.path / "new").exists()
+    for more in ((), ("--directions", "both")):
+        code, said = drystone("run", MODEL, "--out", folder, *more)
+        assert code == 2 and "No space left on device" in said
+        assert contents(folder) == before
+        code, said = drystone("run", MODEL, "--out", disk.path / "new", *more)
+        assert code == 2 and not (disk.path / "new").exists()
 
 
 def no_directory(folder: Path) -> None:

@@ -272,8 +272,8 @@ def test_what_is_missing_is_said_before_anything_is_traced(made, tmp_path):
     assert not out.exists()
 
 
-def test_files_of_the_site_are_found_from_any_folder(made, tmp_path, monkeypatch):
-    """The folder of results knows where its model file was, whatever the path it was given by."""
+def test_files_of_the_site_go_with_the_results(made, tmp_path, monkeypatch):
+    """The folder of results holds them, so that nothing outside of it is read."""
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "spectrum.csv").write_text("T,Se\n0,0.2\n0.1,0.5\n0.5,0.5\n2.0,0.1\n")
     table = '[site]\ncode = "csv"\nfile = "spectrum.csv"\nunit = "g"\ndamping = 5.0\n'
@@ -283,10 +283,52 @@ def test_files_of_the_site_are_found_from_any_folder(made, tmp_path, monkeypatch
     (tmp_path / "wall.toml").write_text((made / "wall.toml").read_text() + table + asked)
     monkeypatch.chdir(tmp_path)
     assert drystone("run", "wall.toml", "--out", "out", "--quiet").exit_code == 0
+    (tmp_path / "wall.toml").unlink()
+    (tmp_path / "spectrum.csv").rename(tmp_path / "elsewhere/other.csv")
     monkeypatch.chdir(tmp_path / "elsewhere")
     result = drystone("assess", tmp_path / "out", "--json")
     assert result.exit_code == 0, result.output
-    assert json.loads(result.stdout)["limit_states"]["SLV"]["displacement_demand"] > 0.0
+    demand = json.loads(result.stdout)["limit_states"]["SLV"]["displacement_demand"]
+    assert demand > 0.0
+    more = ("--set", "site.damping=2.0")  # over what the results hold
+    changed = json.loads(drystone("assess", tmp_path / "out", *more, "--json").stdout)
+    assert changed["limit_states"]["SLV"]["displacement_demand"] < demand
+    more = ("--spectrum", "other.csv", "--unit", "m/s2")  # the command's own file
+    changed = json.loads(drystone("assess", tmp_path / "out", *more, "--json").stdout)
+    assert changed["limit_states"]["SLV"]["displacement_demand"] < demand
+    model = ds.load_results(tmp_path / "out").model
+    ds.write_model(model, tmp_path / "elsewhere/model.toml")  # with its file
+    again = ds.read_model(tmp_path / "elsewhere/model.toml")
+    assert (tmp_path / "elsewhere/spectrum.csv").read_text().startswith("T,Se")
+    assert again.site.values["file"] == "spectrum.csv"
+    ds.save_results(ds.load_results(tmp_path / "out").curve, model, tmp_path / "copy")
+    assert drystone("assess", tmp_path / "copy").exit_code == 0
+
+
+def test_results_of_somebody_else_read_no_file_of_mine(made, tmp_path, monkeypatch):
+    """Whatever their model names, and wherever they say it was."""
+    import h5py
+
+    secret = tmp_path / "secret.csv"
+    secret.write_text("T,Se\n0,0.2\n0.1,0.5\n0.5,0.5\n2.0,0.1\n")
+    (tmp_path / "history.txt").write_text("0.001\n")
+    out = tmp_path / "theirs/out"
+    assert drystone("run", made / "wall.toml", "--out", out, "--quiet").exit_code == 0
+    monkeypatch.chdir(tmp_path)
+    given = (made / "wall.toml").read_text()
+    asked = '[assessment]\nmethod = "ntc2018-local"\nconfidence_factor = 1.35\n'
+    for name in ("secret.csv", "../secret.csv", str(secret)):
+        site = f'[site]\ncode = "csv"\nfile = "{name}"\nunit = "g"\ndamping = 5.0\n'
+        with h5py.File(out / "results.h5", "r+") as file:
+            file.attrs["model"] = given + site + asked
+            file.attrs["model_source"] = str(tmp_path / "wall.toml")
+            file.attrs["model_folder"] = str(tmp_path)
+        for more in ((), ("--set", "site.damping=4.0")):
+            result = drystone("assess", out, *more)
+            assert result.exit_code == 2 and "is not held by these results" in result.stderr
+    with h5py.File(out / "results.h5", "r+") as file:
+        file.attrs["model"] = given + '[control]\nhistory = "history.txt"\n'
+    assert ds.load_results(out).model is None
 
 
 def test_an_interrupted_trace_is_kept_and_is_status_130(made, tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -457,3 +458,17 @@ def test_chamfers_longer_than_an_edge_are_refused(tmp_path, target):
     with pytest.raises(ModelError, match='at block "b": corners become chamfers, and the chamfer'):
         convert(model, tmp_path / "model.dat", target)
     assert not (tmp_path / "model.dat").exists()
+
+
+def test_a_block_of_udec_without_corners_is_refused(tmp_path):
+    """In a sentence, and without a warning of the libraries beside."""
+    path = tmp_path / "a.dat"
+    path.write_text(written(published_wall(1), "udec")[0])
+    kept = path.read_text().splitlines()
+    blocks = [k for k, line in enumerate(kept) if line.startswith("block ")]
+    kept[blocks[-1]] = "block "
+    path.write_text("\n".join(kept))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ModelError, match="fewer than three corners"):
+            read(path)

@@ -270,6 +270,11 @@ class TestCompas:
                 "}}}",
                 "names vertex 5",
             ),
+            (
+                '{"blocks": {"0": {"vertex": {"0": {"x": 1, "y": 0, "z": 0}}, '
+                '"face": {"0": ["\u202e5"]}}}}',
+                r"names vertex \\u202e5",  # nothing that turns the sentence round
+            ),
         ],
     )
     def test_what_is_said_of_broken_ones(self, tmp_path, text, said):

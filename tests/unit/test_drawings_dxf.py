@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import os
 from pathlib import Path
 
 import numpy as np
@@ -257,6 +258,24 @@ def test_ifc_elements_are_blocks(tmp_path):
     assert all(b.groups == ("ground",) for b in made.blocks)
     path.write_text("ISO-10303-21;\nnothing\n")
     with pytest.raises(ModelError, match=r'"a\.ifc": '):
+        blocks_of(path)
+
+
+@pytest.mark.parametrize(
+    ("does", "said"), [("os.abort()", "is torn: the library"), ("time.sleep(60)", "more than 3 s")]
+)
+def test_a_library_that_crashes_or_never_ends_is_told(tmp_path, monkeypatch, does, said):
+    """What ifcopenshell 0.9 does with some torn files; here a library in its place does it."""
+    package = tmp_path / "ifcopenshell"
+    package.mkdir()
+    (package / "__init__.py").write_text(f"import os, time\ndef open(path):\n    {does}\n")
+    (package / "geom.py").write_text("")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.setattr("drystone.io.drawings.ifc.MOST_SECONDS", 3.0)
+    path = tmp_path / "a.ifc"
+    path.write_text("ISO-10303-21;")
+    with pytest.raises(ModelError, match=said):
         blocks_of(path)
 
 

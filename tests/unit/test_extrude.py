@@ -20,3 +20,20 @@ def test_an_extruded_wall_weighs_and_reaches_as_much():
 def test_only_plane_models_are_extruded():
     with pytest.raises(ValueError, match="one of space already"):
         ds.extruded(ds.extruded(ds.published_wall(1)))
+
+
+def test_outlines_that_are_no_solids_are_refused():
+    """Of an outline 200 km wide, two corners 0.2 m apart are one on the face of a solid."""
+    base = np.array([[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]])
+    wide = np.array([[-0.2, 0.0], [0.0002, 0.0], [0.2, 0.9], [-2e5, 0.9]])
+    plane = ds.make_model(
+        [
+            ds.Block(id="base", vertices=base, unit_weight=2e4, support=True),
+            ds.Block(id="b1", vertices=wide, unit_weight=2e4),
+        ],
+        joint=ds.JointLaw(friction_coefficient=0.65, normal_stiffness=1e9, shear_stiffness=1e9),
+        thickness=1.0,
+        load_direction=[1.0, 0.0],
+    )
+    with pytest.raises(ds.ModelError, match=r'as a solid, block "b1": face .* encloses no area'):
+        ds.extruded(plane)

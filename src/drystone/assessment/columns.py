@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from drystone.assessment.errors import AssessmentError
 from drystone.common.ranges import RANGES, problem, too_many
 from drystone.model.assembly import GRAVITY
-from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.contents import Held, read_bytes
 from drystone.model.construction.errors import ModelError
 
 Array = NDArray[np.float64]
@@ -57,14 +57,18 @@ def checked_columns(
     return t, a
 
 
-def read_columns(path: str | Path, header: tuple[str, str], name: str) -> tuple[Array, Array]:
+def read_columns(
+    path: str | Path | Held, header: tuple[str, str], name: str
+) -> tuple[Array, Array]:
     """Two columns (n,), (n,) of numbers from a CSV file with a header; ``name`` is for errors.
 
     Errors say where a file is no such table, never what stands there: a model of somebody else may
     name any file of whoever runs it.
     """
     try:
-        text = read_bytes(Path(path), "the table").decode("utf-8-sig")
+        text = read_bytes(path if isinstance(path, Held) else Path(path), "the table").decode(
+            "utf-8-sig"
+        )
         rows = [
             (number, [cell.strip() for cell in row])
             for number, row in enumerate(csv.reader(text.splitlines()), start=1)

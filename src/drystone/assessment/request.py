@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 from drystone.assessment.capacity import Capacity, participation
@@ -42,8 +41,7 @@ def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request
         Something is missing, unknown or cannot be read; the message names the key.
     """
     values = {} if assessment is None else dict(assessment.values)
-    folder = Path("" if assessment is None else assessment.folder)
-    settings = settings_of(values, folder)
+    settings = settings_of(assessment or AssessmentInput())
     if site is None and not (settings.records or settings.pulses):
         raise AssessmentError(
             "site is missing: say what the ground does in a table [site] of the model file, by "
@@ -76,8 +74,9 @@ def check_request(request: Request) -> None:
         pass
 
 
-def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:
-    """Settings of the keys of [assessment], in units of files; paths go from ``folder``."""
+def settings_of(assessment: AssessmentInput) -> Settings:
+    """Settings of the keys of [assessment], which are in units of files."""
+    values = assessment.values
     if "method" not in values:
         raise AssessmentError(
             "assessment.method is missing: choose one of "
@@ -99,7 +98,7 @@ def settings_of(values: Mapping[str, Any], folder: Path) -> Settings:
     return Settings(
         **given,
         own={key: _as_ratio(own[key], value) for key, value in values.items() if key in own},
-        records=tuple(_record(table, folder) for table in values.get("record", ())),
+        records=tuple(_record(table, assessment) for table in values.get("record", ())),
         pulses=tuple(_pulse(table) for table in values.get("pulse", ())),
     )
 
@@ -114,8 +113,8 @@ def _as_ratio(key: Key, value: Any) -> Any:
     return value / 100.0
 
 
-def _record(table: Mapping[str, Any], folder: Path) -> Record:
-    record = read_record(folder / table["file"], unit=table["unit"])
+def _record(table: Mapping[str, Any], assessment: AssessmentInput) -> Record:
+    record = read_record(assessment.file(table["file"]), unit=table["unit"])
     return record.scaled(table["scale"]) if "scale" in table else record
 
 

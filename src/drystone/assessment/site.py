@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from drystone.assessment.errors import AssessmentError
@@ -196,7 +195,7 @@ def _ec8(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
 
 def _table(site: Site, state: str, values: Mapping[str, Any]) -> Spectrum:
     return read_spectrum(
-        Path(site.folder) / values["file"],
+        site.file(values["file"]),
         unit=values["unit"],
         damping=values["damping"] / 100.0,
         soil_factor=values.get("soil_factor", 1.0),

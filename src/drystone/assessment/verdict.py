@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from drystone.assessment.capacity import Capacity
@@ -128,7 +127,7 @@ def assessed(
         return of_one_sense(verdict_on(curve, model, request_of(site or model.site, asked)))
     grouping = asked.values.get("grouping", "macro_blocks")
     if settings is None:
-        settings = settings_of(asked.values, Path(asked.folder))
+        settings = settings_of(asked)
     if spectra is None:
         given = site or model.site
         spectra = {} if given is None else spectra_of_site(given)

@@ -93,6 +93,12 @@ def assess(
     engine: Annotated[
         str | None, _text("--engine", "Of a MODEL: engine. [default: what the model says]")
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", help="Of a MODEL: go on with both senses as far as the folder has them."
+        ),
+    ] = False,
     one_sense: Annotated[
         bool, typer.Option("--one-sense", help="Of a MODEL: do not trace the opposite sense.")
     ] = False,
@@ -145,6 +151,7 @@ def assess(
             out=out,
             engine=engine,
             one_sense=one_sense,
+            resume=resume,
             quiet=quiet or as_json,
             as_json=as_json,
         )
@@ -176,7 +183,28 @@ def with_tables(model: Model, overlay: Mapping[str, Any], model_file: Path | Non
     if assessment is not None:
         data["assessment"] = assessment.as_dict()
     new_site, new_assessment = tables_of(_merged(data, overlay))
+    if site is not None and site.files is not None and new_site is not None:
+        new_site = replace(new_site, files={**site.files, **_texts(overlay)})
+    if assessment is not None and assessment.files is not None and new_assessment is not None:
+        new_assessment = replace(new_assessment, files={**assessment.files, **_texts(overlay)})
     return replace(model, site=new_site, assessment=new_assessment)
+
+
+def _texts(overlay: Mapping[str, Any]) -> dict[str, str]:
+    """Texts of the files that the command line names; raises `ModelError`."""
+    from drystone.io.modelfile import ModelError
+    from drystone.io.modelfile.named import files_named
+    from drystone.model.construction.contents import read_bytes
+
+    found = {}
+    for name in files_named(overlay):
+        try:
+            found[name] = read_bytes(Path(name), "the table").decode("utf-8")
+        except ModelError as error:
+            raise ModelError(f"{name} {problem}" for problem in error.problems) from None
+        except UnicodeDecodeError:
+            raise ModelError([f"{name} is no table of text: write it as CSV in UTF-8"]) from None
+    return found
 
 
 def _with_settings(

@@ -24,7 +24,7 @@ class Rehearsal(NamedTuple):
     """A run that needs the kernels of most others of its dimension."""
 
     forecast: str  # what is said of how long compiling takes
-    solid: bool
+    extruded: bool  # whether the wall is made of solids
     options: dict[str, Any]
 
 
@@ -113,7 +113,7 @@ def _small_run(engine: str, dimension: int) -> None:
         load_direction=(1.0, 0.0),
     )
     rehearsal = REHEARSALS[dimension]
-    if rehearsal.solid:
+    if rehearsal.extruded:
         model = extruded(model)
     limits_beside(model)
     ds.pushover(model, engine=engine, progress=False, **rehearsal.options)

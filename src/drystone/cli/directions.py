@@ -16,6 +16,7 @@ from drystone.io.results.senses import DIRECTION
 if TYPE_CHECKING:
     from drystone.model.model import Model
     from drystone.report.folder.directory import ResultsDirectory
+    from drystone.report.folder.taking_over import TakingOver
     from drystone.results.curve import CapacityCurve
 
 #: What the file of all directions says of each, from the summary of its own folder.
@@ -62,15 +63,27 @@ def run_directions(
 
     Returns the exit status: that of the worst of them.
     """
-    from drystone.io.results.checkpoint import write_plan
+    from drystone.analysis.directions import evenly
     from drystone.io.results.folder import locked
-    from drystone.io.results.own_files import clear
+    from drystone.report.folder.taking_over import TakingOver
 
     with locked(folder):
-        clear(folder)
-        write_plan(folder, model, {"number": number, "asked": list(asked)})
+        angles = evenly(model, number)
+        takes_over = TakingOver.of(
+            folder,
+            model,
+            {"number": number, "asked": list(asked)},
+            [folder_name(angle) for angle in angles],
+        )
         summary, code = _in_folders(
-            model, number, folder, asked, processes=processes, as_json=as_json, quiet=quiet
+            model,
+            number,
+            folder,
+            asked,
+            takes_over=takes_over,
+            processes=processes,
+            as_json=as_json,
+            quiet=quiet,
         )
     return _shown(summary, folder, code, as_json=as_json)
 
@@ -86,8 +99,10 @@ def resume_directions(
     """Go on with all curves of a folder that are not complete; returns the exit status."""
     from drystone.io.results.checkpoint import CheckpointError, read_plan
     from drystone.io.results.folder import OutputError, locked
+    from drystone.report.folder.taking_over import clear_claim
 
     with locked(folder):
+        clear_claim(folder)
         try:
             found = read_plan(folder)
         except CheckpointError as error:
@@ -126,6 +141,7 @@ def _in_folders(
     processes: int | None,
     as_json: bool,
     quiet: bool,
+    takes_over: TakingOver | None = None,
     going_on: dict[str, float | None] | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Trace all curves, or go on with them to whatever ends, in a folder that this process holds;
@@ -133,7 +149,6 @@ def _in_folders(
     from drystone.analysis.directions import around, evenly
     from drystone.common.threads import available
     from drystone.common.workers import in_processes
-    from drystone.io.results.checkpoint import PLAN
 
     angles = evenly(model, number)
     models = around(model, angles)
@@ -149,7 +164,7 @@ def _in_folders(
             tell([f"{came} of {number}: {angles[k]:g} degrees, {what}"])
 
     calls = [
-        (f"{__name__}:trace", (each, str(own), asked, going_on))
+        (f"{__name__}:trace", (each, str(own), asked, takes_over, going_on))
         for each, own in zip(models, folders, strict=True)
     ]
     results = in_processes(calls, processes or available(), told)
@@ -160,7 +175,6 @@ def _in_folders(
         rows.append({**found, **about})
     if not any(row.get("curve") for row in rows):
         code = INTERRUPTED if None in results else WRONG
-        (folder / PLAN).unlink(missing_ok=True)
         reasons = list(dict.fromkeys(row["reason"] for row in rows))
         fail(code, [*reasons, "nothing was written"], as_json=as_json, status=rows[0]["status"])
     statuses = {row["status"] for row in rows}
@@ -178,11 +192,13 @@ def trace(
     model: Model,
     folder: str,
     asked: Asked,
+    takes_over: TakingOver | None = None,
     going_on: dict[str, float | None] | None = None,
 ) -> dict[str, Any]:
     """The curve of one direction, written into its folder by a worker; its figures.
 
-    A run that is ``going_on``, with whatever ends, leaves it where it is complete.
+    The first direction with a point ``takes_over`` the folder of all.  A run that is ``going_on``,
+    with whatever ends, leaves a direction where it is complete.
     """
     from drystone.analysis.driver import pushover
     from drystone.engines.base import EngineError
@@ -192,7 +208,10 @@ def trace(
 
     try:
         with ResultsDirectory(
-            Path(folder), mechanism_displacement=asked.mechanism_at, formats=asked.formats
+            Path(folder),
+            mechanism_displacement=asked.mechanism_at,
+            formats=asked.formats,
+            takes_over=takes_over,
         ) as results:
             if going_on is not None and (results.path / RESULTS).is_file():
                 return _taken_up(results, going_on)

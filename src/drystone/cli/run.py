@@ -100,7 +100,8 @@ Extended = Annotated[
         "--extend",
         metavar="KEY=VALUE",
         help="With --resume: go on to another end, such as stop_multiplier=0.005 or "
-        "max_displacement=0.3; VALUE none takes an end out. May be repeated.",
+        "max_displacement=0.3, or settlement=0.05 of supports that move; VALUE none takes an end "
+        "out. May be repeated.",
         show_default=False,
     ),
 ]

@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from drystone.cli.outcome import INTERRUPTED, fail
 from drystone.common.language import said_end, say
+from drystone.io.results.folder import OutputError
+from drystone.io.results.names import RESULTS
 from drystone.io.results.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
+from drystone.model.model import STOP
 
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
@@ -60,6 +63,7 @@ class Tracing:
     one_sense: bool
     quiet: bool
     as_json: bool
+    resume: bool = False  # go on with what the folder holds
 
 
 def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
@@ -69,6 +73,10 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     curve that does not go far enough for a verdict is told in its `Sense`.
     """
     if ask.source.is_dir():
+        if ask.resume:
+            raise OutputError(
+                f"--resume: {ask.source} is a folder: name the model file, and the folder by --out"
+            )
         return _said_if_one(_of_folder(ask, amended))
     return _said_if_one(_of_model(ask, amended))
 
@@ -150,8 +158,6 @@ def _of_folder(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
 
     def judged(results: Results, name: str) -> Sense:
         if results.model is None:
-            from drystone.io.results.folder import OutputError
-
             raise OutputError(
                 f"{results.path}: the model in it cannot be read by this version: trace it again, "
                 "or assess the model file"
@@ -179,9 +185,10 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
     from drystone.common.progress import progress_for
     from drystone.io.results.folder import check_apart, check_writable
     from drystone.limit import limits_beside, on_what_moves
-    from drystone.model.model import STOP
     from drystone.report.folder.directory import ResultsDirectory, files_of
 
+    if ask.resume and (folder / RESULTS).is_file():
+        return _resumed(name, model, folder, ask, part_of=part_of)
     check_writable(folder)
     check_apart(ask.source, files_of(folder))
     stop = model.analysis.stop_multiplier
@@ -201,10 +208,47 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
                 keep_poses=True,
                 default_falling=STOP,  # beyond the collapse of a part nothing is assessed
             )
-    if curve.status == "interrupted":
-        problem = f"interrupted: what was reached is kept in {folder}"
-        fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
+    _fail_if_interrupted(curve, folder, ask)
     return _judged(name, model, curve, folder, model.sha256)
+
+
+def _resumed(name: str, model: Model, folder: Path, ask: Tracing, *, part_of: str) -> Sense:
+    """The sense whose run in a folder stopped, or is complete."""
+    from drystone.cli.compiler import compiling
+    from drystone.common.progress import progress_for
+    from drystone.limit import limits_beside, on_what_moves
+    from drystone.report.folder.directory import ResultsDirectory
+    from drystone.report.folder.results import load_results
+    from drystone.report.folder.resume import go_on
+
+    with ResultsDirectory(folder) as results:
+        kept = results.take_up()
+        results.beside = limits_beside(model)
+        model = on_what_moves(model, results.beside)
+        if (kept.model.sha256, kept.part_of) != (model.sha256, part_of):
+            raise OutputError(
+                f"{folder} holds the run of another model than {ask.source}: leave out --resume, "
+                "or choose another folder with --out"
+            )
+        if ask.engine not in (None, kept.engine):
+            raise OutputError(f"--engine: the run in {folder} is by {kept.engine}: leave it out")
+        traced = replace(kept.model, site=model.site, assessment=model.assessment)
+        if not kept.complete:
+            stop = model.analysis.stop_multiplier
+            with (
+                compiling(kept.engine, model.assembly.dimension, quiet=ask.quiet),
+                progress_for(f"{ask.source.stem}, {name}", stop, quiet=ask.quiet) as progress,
+            ):
+                curve = go_on(kept, kept.model, results, progress=progress, default_falling=STOP)
+            _fail_if_interrupted(curve, folder, ask)
+    return _judged(name, traced, load_results(folder).curve, folder, model.sha256)
+
+
+def _fail_if_interrupted(curve: CapacityCurve, folder: Path, ask: Tracing) -> None:
+    """End the command where somebody interrupted it."""
+    if curve.status == "interrupted":
+        problem = f"interrupted: what was reached is kept in {folder}; --resume goes on from here"
+        fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
 
 
 def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:

@@ -53,6 +53,27 @@ Sample = Annotated[
 ]
 
 
+OtherModel = Annotated[
+    Path | None,
+    typer.Option(
+        "--model",
+        metavar="FILE",
+        help="Model file, from anywhere, in place of that which STUDY names.",
+        show_default=False,
+    ),
+]
+OtherFunction = Annotated[
+    str | None,
+    typer.Option(
+        "--function",
+        metavar="MODULE:NAME",
+        help="Function, from where Python looks, in place of that which STUDY names.",
+        show_default=False,
+    ),
+]
+
+
+# Many: options of the command.
 def study(
     study_file: StudyFile,
     out: Folder = None,
@@ -60,6 +81,8 @@ def study(
     scheduler: Scheduler = None,
     resume: Resume = False,
     sample: Sample = None,
+    model: OtherModel = None,
+    function: OtherFunction = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -72,7 +95,7 @@ def study(
         from drystone.studies.read import read_study
 
         required("pyarrow", "pandas")
-        asked = read_study(study_file)
+        asked = read_study(study_file, model=model, function=function)
         folder = folder_of(asked, out)
         check_writable(folder)
         if sample is not None:

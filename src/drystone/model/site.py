@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drystone.common.registry import Registry
+from drystone.model.construction.contents import Held, file_named
 
 if TYPE_CHECKING:
     from drystone.assessment.methods.base import MethodFile
@@ -48,14 +49,19 @@ class Site:
     states: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # [site.SLD], ...
     floor: Mapping[str, Any] = field(default_factory=dict)  # [site.floor]
     folder: str = ""  # from where paths of files go
+    files: Mapping[str, str] | None = None  # texts by name: no file is read
+
+    def file(self, name: str) -> Path | Held:
+        """The file of a name in the table."""
+        return file_named(name, self.folder, self.files)
 
     def as_dict(self) -> dict[str, Any]:
-        """The table of a model file; paths of files become whole."""
+        """The table of a model file; paths of files become whole, but for those of results."""
         data = {"code": self.code, **self.values}
         data |= {name: dict(values) for name, values in self.states.items()}
         if self.floor:
             data["floor"] = dict(self.floor)
-        return _whole(data, self.folder)
+        return data if self.files is not None else _whole(data, self.folder)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,10 +70,16 @@ class AssessmentInput:
 
     values: Mapping[str, Any] = field(default_factory=dict)  # keys that are given
     folder: str = ""  # from where paths of files go
+    files: Mapping[str, str] | None = None  # as of `Site`
+
+    def file(self, name: str) -> Path | Held:
+        """The file of a name in the table."""
+        return file_named(name, self.folder, self.files)
 
     def as_dict(self) -> dict[str, Any]:
-        """The table of a model file; paths of files become whole."""
-        return _whole(dict(self.values), self.folder)
+        """The table of a model file; paths of files become whole, but for those of results."""
+        values = dict(self.values)
+        return values if self.files is not None else _whole(values, self.folder)
 
 
 def _whole(data: dict[str, Any], folder: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from drystone.common.threads import available
 from drystone.common.version import package_version
+from drystone.io.modelfile.named import texts_named
 from drystone.io.results.folder import OutputError, in_a_sentence, locked
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import SUMMARY
@@ -34,6 +35,8 @@ def study(
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
+    model: str | PathLike[str] | None = None,
+    function: str | None = None,
     figures: bool = True,
     progress: Callable[[Progress], None] | None = None,
 ) -> Any:
@@ -54,6 +57,9 @@ def study(
         Address of a Dask scheduler, whose workers compute then.
     resume
         Go on with what the folder holds of the same study.
+    model, function
+        In place of those that the study names, from anywhere: a study file names files of its own
+        folder alone.
     figures
         Whether pictures are drawn.
     progress
@@ -68,7 +74,7 @@ def study(
         The folder cannot be written, or holds another study.
     """
     required("pyarrow", "pandas")
-    asked = read_study(source)
+    asked = read_study(source, model=model, function=function)
     folder = folder_of(asked, out)
     if asked.target is not None:
         from drystone.studies.target import RUNS, aim
@@ -183,9 +189,19 @@ def write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
         "fingerprint": asked.fingerprint,
         "source": None if asked.source is None else str(asked.source),
         **more,
-        "study": plain(dict(asked.given)),
+        "study": plain({**asked.given, "model": asked.task.model}),
+        "files": _files_of(asked),
     }
     in_a_sentence(lambda: write_summary(record, folder / STUDY))
+
+
+def _files_of(asked: Study) -> dict[str, str]:
+    """Texts of the files that the model names, by their names."""
+    task = asked.task
+    if task.files is not None:
+        return dict(task.files)
+    folder = Path(task.source or "").parent
+    return {} if task.model is None else texts_named(task.model, folder)
 
 
 def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, Any]:
@@ -262,7 +278,7 @@ def extremes_of(folder: Path) -> list[Path]:
     for sample in dict.fromkeys((samples["least"], samples["greatest"])):
         own = folder / f"sample_{sample}"
         if not (own / SUMMARY).is_file():
-            source = record.get("source") or record["study"]
-            run_again(read_study(source), folder, sample)
+            kept = read_study(record["study"], files=record.get("files") or {})
+            run_again(kept, folder, sample)
         found.append(own)
     return found

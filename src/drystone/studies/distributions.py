@@ -74,8 +74,9 @@ class Continuous:
     def at(self, probability: Array) -> list[Any]:
         """See `Choices`."""
         law = self._frozen()
-        below, above = law.cdf(self.low), law.cdf(self.high)
-        values = law.ppf(below + probability * (above - below))
+        with np.errstate(over="ignore"):  # of widths near the least number
+            below, above = law.cdf(self.low), law.cdf(self.high)
+            values = law.ppf(below + probability * (above - below))
         return np.clip(values, self.low, self.high).tolist()
 
     def spread(self, steps: int) -> list[Any]:

@@ -16,7 +16,7 @@ from drystone.common.names import quoted, suggestion
 from drystone.engines import BUILT_IN, engine_names
 from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.sentences import sentences
-from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.contents import is_outside, read_bytes
 from drystone.model.construction.describe import model_to_dict
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
@@ -34,10 +34,26 @@ from drystone.studies.schema import MOST_SAMPLES, ParameterSection, StudySection
 from drystone.studies.study import ABOUT, COLUMNS, Imperfection, Parameter, Study, Task
 
 
-def read_study(source: str | PathLike[str] | Mapping[str, Any]) -> Study:
+def read_study(
+    source: str | PathLike[str] | Mapping[str, Any],
+    *,
+    model: str | PathLike[str] | None = None,
+    function: str | None = None,
+    files: Mapping[str, str] | None = None,
+) -> Study:
     """Read a study: a file, TOML or JSON, or its keys as a dict.
 
-    ``model`` of a dict may be a `Model`, too.
+    A study of somebody else may name any file of whoever runs it: a file names a model and a
+    function of its own folder and below alone.
+
+    Parameters
+    ----------
+    source
+        ``model`` of a dict may be a `Model`, too.
+    model, function
+        In place of those that the study names, and from anywhere.
+    files
+        Texts of the files that the model names, by their names, where no file is to be read.
 
     Raises
     ------
@@ -47,16 +63,25 @@ def read_study(source: str | PathLike[str] | Mapping[str, Any]) -> Study:
     path = None
     try:
         if isinstance(source, Mapping):
-            return _study(dict(source), None)
-        path = Path(source)
-        contents = read_bytes(path, "the study file")
-        return _study(parse(contents, is_json=path.suffix.lower() == ".json"), path)
+            data = dict(source)
+        else:
+            path = Path(source)
+            contents = read_bytes(path, "the study file")
+            data = parse(contents, is_json=path.suffix.lower() == ".json")
+        told = {"model": model if model is None else str(model), "function": function}
+        told = {key: value for key, value in told.items() if value is not None}
+        if told:
+            data = {key: data[key] for key in data if key not in ("model", "function")} | told
+        return _study(data, path, files, held=path is not None and not told)
     except ModelError as error:
         before = f"{path}: " if path is not None else ""
         raise StudyError(f"{before}{problem}" for problem in error.problems) from None
 
 
-def _study(data: dict[str, Any], path: Path | None) -> Study:
+def _study(
+    data: dict[str, Any], path: Path | None, files: Mapping[str, str] | None, *, held: bool
+) -> Study:
+    """A study of its keys; ``held`` to the folder of its file."""
     if isinstance(data.get("model"), Model):
         data = {**data, "model": model_to_dict(data["model"])}
     try:
@@ -65,7 +90,8 @@ def _study(data: dict[str, Any], path: Path | None) -> Study:
         raise StudyError(sentences(error, data, StudySection)) from None
     folder = path.parent if path is not None else Path()
     problems: list[str] = []
-    document, model_source = _model(section, folder, problems)
+    document, model_source = _model(section, folder, problems, held=held)
+    module = _module(section.function, folder, problems) if held and section.function else None
     varied: Sequence[VariedSection] = section.target.parameter if section.target else ()
     place = "target.parameter" if section.target else "parameter"
     varied = varied or section.parameter
@@ -83,6 +109,8 @@ def _study(data: dict[str, Any], path: Path | None) -> Study:
         function=section.function,
         folder=str(folder),
         source=model_source,
+        module=module,
+        files=files,
         parameters=tuple(parameters),
         outputs=tuple(dict.fromkeys(section.outputs)),
         seed=section.seed,
@@ -110,18 +138,39 @@ def _study(data: dict[str, Any], path: Path | None) -> Study:
 
 
 def _model(
-    section: StudySection, folder: Path, problems: list[str]
+    section: StudySection, folder: Path, problems: list[str], *, held: bool
 ) -> tuple[dict[str, Any] | None, str | None]:
     """The model file as a dict, and where it stands; what is wrong is added to ``problems``."""
     if section.model is None or isinstance(section.model, dict):
         return section.model, None
-    path = folder / section.model
+    path = folder / section.model if held else Path(section.model)
+    if held and is_outside(folder, section.model):
+        problems.append(
+            f"model: {quoted(section.model)} lies outside of the study file's folder, and a study "
+            "names files in its own folder and below alone: copy it there, or name it in the "
+            "command, --model FILE"
+        )
+        return None, None
     try:
         contents = read_bytes(path, "the model file")
         return parse(contents, is_json=path.suffix.lower() == ".json"), str(path)
     except ModelError as error:
-        problems += [f"model: {path}: {problem}" for problem in error.problems]
+        problems += [f"model: {quoted(section.model)} {problem}" for problem in error.problems]
         return None, str(path)
+
+
+def _module(function: str, folder: Path, problems: list[str]) -> str | None:
+    """The file of a function's module in the folder of its study."""
+    name = function.partition(":")[0].replace(".", "/") + ".py"
+    path = folder / name
+    if is_outside(folder, name) or not path.is_file():
+        problems.append(
+            f"function: there is no {quoted(name)} in the study file's folder, and a study names "
+            "functions of its own folder and below alone: put it there, or name the function in "
+            "the command, --function MODULE:NAME"
+        )
+        return None
+    return str(path)
 
 
 def _parameters(

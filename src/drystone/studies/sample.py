@@ -13,6 +13,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -68,7 +70,7 @@ def compute_chunk(task: Task, samples: Sequence[int], values: Sequence[Sequence[
 def prepare(task: Task) -> None:
     """Load what samples need, before there are any."""
     if task.function is not None:
-        _function(task.function, task.folder)
+        _function(task.function, task.folder, task.module)
         return
     for name in ("analysis.driver", "limit", "assessment.verdict", "io.modelfile.read"):
         import_module(f"drystone.{name}")
@@ -89,7 +91,8 @@ def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
     curve, found, digest = None, dict[str, Any](), ""
     try:
         if task.function is not None:
-            told = _function(task.function, task.folder)(_named(task, values, seed))
+            function = _function(task.function, task.folder, task.module)
+            told = function(_named(task, values, seed))
             found = {"status": "finished", "reason": "", **plain(dict(told))}
         else:
             document = document_of(task, values)
@@ -153,6 +156,7 @@ def model_of(task: Task, document: dict[str, Any], seed: int, digest: str) -> An
         source=task.source,
         sha256=digest,
         need_stiffness=task.outputs != ("limit",),
+        files=task.files,
         reshaped=reshape,
     )
 
@@ -343,12 +347,26 @@ def _named(task: Task, values: Sequence[Any], seed: int) -> dict[str, Any]:
 
 
 @cache
-def _function(place: str, folder: str) -> Callable[[dict[str, Any]], Mapping[str, Any]]:
-    """A function by "module:name", from where Python looks or from the study's folder."""
+def _function(
+    place: str, folder: str, file: str | None
+) -> Callable[[dict[str, Any]], Mapping[str, Any]]:
+    """A function by "module:name": of a file, or from where Python looks and a folder."""
     module, _, name = place.partition(":")
     if folder and folder not in sys.path:
-        sys.path.append(folder)
-    found: Callable[[dict[str, Any]], Mapping[str, Any]] = getattr(import_module(module), name)
+        sys.path.append(folder)  # also for what the file imports beside it
+    found: Callable[[dict[str, Any]], Mapping[str, Any]]
+    found = getattr(import_module(module) if file is None else _loaded(module, file), name)
+    return found
+
+
+def _loaded(module: str, file: str) -> ModuleType:
+    """A file as a module, whatever else Python finds under its name."""
+    spec = spec_from_file_location(f"{module} of a study", file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{file} is no module")
+    found = module_from_spec(spec)
+    sys.modules[spec.name] = found
+    spec.loader.exec_module(found)
     return found
 
 

@@ -63,10 +63,12 @@ class Task:
 
     model: Mapping[str, Any] | None  # the model file as nested dicts
     function: str | None  # "module:name" in place of a model
-    folder: str  # of the study, from where files are looked for
+    folder: str  # of the study, from where modules are looked for
     source: str | None  # path of the model file
-    parameters: tuple[Parameter, ...]
-    outputs: tuple[str, ...]
+    module: str | None = None  # path of the function's file; None: Python looks for it
+    files: Mapping[str, str] | None = None  # texts that the model names; None: it reads them
+    parameters: tuple[Parameter, ...] = ()
+    outputs: tuple[str, ...] = ()
     seed: int = 1
     engine: str | None = None
     strategy: str | None = None

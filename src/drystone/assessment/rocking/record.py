@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import positive
+from drystone.model.construction.contents import Held, name_of
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ class Record:
         return replace(self, acceleration=self.acceleration * factor)
 
 
-def read_record(path: str | Path, *, unit: str) -> Record:
+def read_record(path: str | Path | Held, *, unit: str) -> Record:
     """The record in a CSV file with the header ``t,a``, times in s.
 
     Parameters
@@ -58,7 +59,7 @@ def read_record(path: str | Path, *, unit: str) -> Record:
     AssessmentError
         Where the file is missing or is no record: names the line and what would mend it.
     """
-    name = f'record "{Path(path).name}"'
+    name = f'record "{name_of(path)}"'
     factor = unit_of(unit, name)
     time, value = read_columns(path, HEADER, name)
     record = Record(time=time, acceleration=value * factor, name=name)

@@ -14,6 +14,7 @@ from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
 from drystone.common.language import say
 from drystone.model.assembly import GRAVITY
+from drystone.model.construction.contents import Held, name_of
 
 Array = NDArray[np.float64]
 
@@ -125,7 +126,7 @@ class TableSpectrum:
 
 
 def read_spectrum(
-    path: str | Path,
+    path: str | Path | Held,
     *,
     unit: str,
     damping: float,
@@ -152,7 +153,7 @@ def read_spectrum(
     AssessmentError
         Where the file is missing or is no spectrum: names the line and what would mend it.
     """
-    name = say("table.name", file=Path(path).name)
+    name = say("table.name", file=name_of(path))
     factor = unit_of(unit, name)
     period, value = read_columns(path, HEADER, name)
     if value[0] * factor > MOST * GRAVITY:

@@ -206,6 +206,8 @@ def _model(parsed: itasca.Parsed) -> Model:
     if parsed.rounding is None:
         raise ValueError("it lacks round")
     outlines = [itasca.numbers(words).reshape(-1, 2)[::-1].copy() for words in parsed.shapes]
+    if any(len(outline) < 3 for outline in outlines):
+        raise ValueError("a block has fewer than three corners")
     centres = [polygon.mass_properties(outline).centroid for outline in outlines]
 
     def pair(words: list[str]) -> tuple[int, int]:

@@ -16,6 +16,7 @@ import numpy as np
 from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
 from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import printable
 
 #: Keys on the way to a mesh that are no names of blocks.
 _HOLDERS = {
@@ -112,7 +113,8 @@ def _vertices_and_faces(
             raise ModelError([f"{place}a face is no list of vertices: the file is torn"])
         unknown = [key for key in loop if str(key) not in row]
         if unknown:
-            raise ModelError([f"{place}a face names vertex {unknown[0]!s:.20}, which is not there"])
+            name = printable(str(unknown[0])[:20])
+            raise ModelError([f"{place}a face names vertex {name}, which is not there"])
         face = tuple(row[str(key)] for key in loop)
         if len(face) > 1 and face[0] == face[-1]:
             face = face[:-1]

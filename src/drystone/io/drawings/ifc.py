@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import tempfile
+import time
+from concurrent.futures import wait
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drystone.common.aside import Aside
+from drystone.common.workers import WorkerError
 from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
 from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
@@ -23,15 +28,39 @@ KINDS = (
 SUPPORTS = ("IfcFooting", "IfcPile")
 
 
+#: Seconds that a file may take: the largest that are read take a few minutes.
+MOST_SECONDS = 600.0
+
+
 def read(contents: bytes) -> Drawing:
-    """The blocks of a file; raises `ModelError`."""
+    """The blocks of a file; raises `ModelError`.
+
+    The file is read in a process of its own: some torn files crash the library, or keep it busy
+    without end.
+    """
+    if find_spec("ifcopenshell") is None:
+        raise ModelError(["needs ifcopenshell, which is not installed: pip install drystone[ifc]"])
+    until = time.monotonic() + MOST_SECONDS
+    with Aside() as aside:
+        future = aside.begin(f"{__name__}:parsed", contents)
+        while not future.done() and time.monotonic() < until:
+            wait([future], timeout=0.2)  # in pieces, so that signals are heard on every system
+        if not future.done():
+            raise ModelError(
+                [f"takes more than {MOST_SECONDS:g} s to read: export the walls and floors alone"]
+            )
     try:
-        import ifcopenshell
-        import ifcopenshell.geom
-    except ImportError:
-        raise ModelError(
-            ["needs ifcopenshell, which is not installed: pip install drystone[ifc]"]
-        ) from None
+        drawing: Drawing = future.result()
+    except WorkerError:
+        raise ModelError(["is torn: the library that reads it crashed: export it again"]) from None
+    return drawing
+
+
+def parsed(contents: bytes) -> Drawing:
+    """The same, read in this process."""
+    import ifcopenshell
+    import ifcopenshell.geom
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.ifc"
         path.write_bytes(contents)

@@ -6,6 +6,7 @@ may hold a site without being assessed.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -214,8 +215,10 @@ def outside_problems(
     return problems
 
 
-def site_of(section: SiteSection | None, folder: str) -> Site | None:
-    """The record of [site]; None where there is none."""
+def site_of(
+    section: SiteSection | None, folder: str, files: Mapping[str, str] | None = None
+) -> Site | None:
+    """The record of [site]; None where there is none.  For ``files`` see `Site`."""
     if section is None:
         return None
     return Site(
@@ -224,14 +227,17 @@ def site_of(section: SiteSection | None, folder: str) -> Site | None:
         states={name: own.given() for name, own in section.states().items()},
         floor={} if section.floor is None else _given(section.floor),
         folder=folder,
+        files=files,
     )
 
 
-def assessment_of(section: AssessmentSection | None, folder: str) -> AssessmentInput | None:
-    """The record of [assessment]; None where there is none."""
+def assessment_of(
+    section: AssessmentSection | None, folder: str, files: Mapping[str, str] | None = None
+) -> AssessmentInput | None:
+    """The record of [assessment]; None where there is none.  For ``files`` see `Site`."""
     if section is None:
         return None
-    return AssessmentInput(values=_given(section), folder=folder)
+    return AssessmentInput(values=_given(section), folder=folder, files=files)
 
 
 def _given(section: Section) -> dict[str, Any]:

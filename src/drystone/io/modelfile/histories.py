@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drystone.common.ranges import found
-from drystone.model.construction.contents import read_bytes, within
+from drystone.model.construction.contents import Held, file_named, read_bytes, within
 from drystone.model.construction.errors import ModelError
 from drystone.model.history import History, history_of
 
@@ -16,7 +17,10 @@ if TYPE_CHECKING:
 
 
 def history_in(
-    section: ControlSection, folder: str, problems: list[str]
+    section: ControlSection,
+    folder: str,
+    problems: list[str],
+    files: Mapping[str, str] | None = None,
 ) -> tuple[History | None, tuple[str, ...]]:
     """The history that [control] asks for, and the digest of its file where there is one; what is
     wrong is added to ``problems``.
@@ -25,6 +29,8 @@ def history_in(
     ----------
     folder
         From which a file of displacements is named.
+    files
+        Texts of files by their names, of a model that results hold.
     """
     targets, amplitudes, cycles = section.history, section.amplitudes, section.cycles
     if cycles is not None and amplitudes is None:
@@ -33,7 +39,7 @@ def history_in(
     digests: tuple[str, ...] = ()
     try:
         if isinstance(targets, str):
-            contents, path = _bytes(Path(folder), targets)
+            contents, path = _bytes(targets, folder, files)
             digests = (hashlib.sha256(contents).hexdigest(),)
             targets = _numbers(contents, path)
         for key, value in (("history", targets), ("amplitudes", amplitudes)):
@@ -46,20 +52,21 @@ def history_in(
         return None, ()
 
 
-def _bytes(folder: Path, name: str) -> tuple[bytes, Path]:
+def _bytes(name: str, folder: str, files: Mapping[str, str] | None) -> tuple[bytes, str | Path]:
     """What the file of that name in the model's folder holds, and its path; raises `ModelError`
     where it lies outside, or cannot be read."""
     try:
-        path = within(folder, name)
+        file = within(Path(folder), name) if files is None else file_named(name, folder, files)
     except ModelError as error:
         raise ModelError([f"control.history: {error.problems[0]}"]) from None
+    path = file.name if isinstance(file, Held) else file
     try:
-        return read_bytes(path, "a file of displacements"), path
+        return read_bytes(file, "a file of displacements"), path
     except ModelError as error:
         raise ModelError([f"control.history: {path} {error.problems[0]}"]) from None
 
 
-def _numbers(contents: bytes, path: Path) -> list[float]:
+def _numbers(contents: bytes, path: str | Path) -> list[float]:
     """Displacements [m] of a text file, one a line; what follows a # is left out."""
     try:
         text = contents.decode("utf-8")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -97,7 +97,7 @@ def model_from_text(
     source: str | None,
     sha256: str,
     need_engine: bool = True,
-    folder: str | None = None,
+    files: Mapping[str, str] | None = None,
 ) -> Model:
     """A model from the text of a file that was read before, such as results hold.
 
@@ -107,8 +107,8 @@ def model_from_text(
         Path of the file and digest of its bytes; without a path it is a model made in Python.
     need_engine
         As of `read_model`.
-    folder
-        From where files go that [site] and [assessment] name; that of the source where it is None.
+    files
+        Texts of the files that it names, by their names, where no file is to be read.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def model_from_text(
         title=Path(source).stem if source else "",
         source=source,
         sha256=sha256,
-        folder=folder,
+        files=files,
     )
 
 
@@ -132,6 +132,7 @@ def model_from_data(
     source: str | None,
     sha256: str,
     need_stiffness: bool = True,
+    files: Mapping[str, str] | None = None,
     reshaped: Callable[[list[Block]], list[Block]] | None = None,
 ) -> Model:
     """A model from nested dicts and lists with the keys of a model file.
@@ -142,6 +143,8 @@ def model_from_data(
         Path of the file that they come from, and digest of what they hold.
     need_stiffness
         As of `read_model`.
+    files
+        As of `model_from_text`.
     reshaped
         Gives other blocks in place of those of the file, which may be fewer.
 
@@ -157,6 +160,7 @@ def model_from_data(
         title=Path(source).stem if source else "",
         source=source,
         sha256=sha256,
+        files=files,
         reshaped=reshaped,
     )
 
@@ -170,15 +174,15 @@ def _model(
     title: str,
     source: str | None,
     sha256: str,
-    folder: str | None = None,
+    files: Mapping[str, str] | None = None,
     reshaped: Callable[[list[Block]], list[Block]] | None = None,
 ) -> Model:
     section = checked(data)
-    if folder is None:
-        folder = str(Path(source).parent) if source else ""
-        problems = outside_problems(section.site, section.assessment, Path(folder))
-    else:
-        problems = []  # what results hold says where the files of its model were
+    folder, problems = str(Path(source).parent) if source else "", list[str]()
+    if files is None:
+        problems += outside_problems(section.site, section.assessment, Path(folder))
+    elif section.imports:
+        raise ModelError(["import: results hold no drawings"])
     blocks, places, imports = blocks_of(section, data, source, problems)
     if reshaped is not None and not problems:
         blocks = reshaped(blocks)
@@ -188,7 +192,7 @@ def _model(
         control_block, control_point = imports.control
     joint, between = _laws(section, blocks, need_stiffness, problems)
     section = with_holders(section, blocks, problems)
-    history, of_history = history_in(section.control, folder, problems)
+    history, of_history = history_in(section.control, folder, problems, files)
     engine = section.analysis.engine
     if need_engine and engine not in BUILT_IN and engine not in (known := engine_names()):
         problems.append(
@@ -221,8 +225,8 @@ def _model(
         drawing_tolerance=section.drawing_tolerance,
         notes=[*_notes(section), *imports.notes],
         mended=imports.mended,
-        site=site_of(section.site, folder),
-        assessment=assessment_of(section.assessment, folder),
+        site=site_of(section.site, folder, files),
+        assessment=assessment_of(section.assessment, folder, files),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ def write_model(model: Model, path: str | PathLike[str]) -> None:
     data = model_to_dict(model)
     for key in ("site", "assessment"):
         if key in data:
-            data[key] = _with_own_files(data[key], path.parent)
+            data[key] = _with_own_files(data[key], path.parent, getattr(model, key).files or {})
     if path.suffix.lower() == ".json":
         text = json.dumps(data, indent=2, ensure_ascii=False) + "\n"
     else:
@@ -34,25 +35,29 @@ def write_model(model: Model, path: str | PathLike[str]) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _with_own_files(value: Any, folder: Path) -> Any:
-    """Tables whose files are named from a folder, into which they are copied."""
+def _with_own_files(value: Any, folder: Path, held: Mapping[str, str]) -> Any:
+    """Tables whose files are named from a folder, into which they, or texts held, are copied."""
     if isinstance(value, list):
-        return [_with_own_files(entry, folder) for entry in value]
+        return [_with_own_files(entry, folder, held) for entry in value]
     if not isinstance(value, dict):
         return value
     return {
-        key: _own_file(Path(entry), folder) if key == FILE else _with_own_files(entry, folder)
+        key: _own_file(Path(entry), folder, held.get(entry))
+        if key == FILE
+        else _with_own_files(entry, folder, held)
         for key, entry in value.items()
     }
 
 
-def _own_file(path: Path, folder: Path) -> str:
+def _own_file(path: Path, folder: Path, held: str | None) -> str:
     """The name of a file from a folder; a copy, numbered where another file has its name."""
-    if path.is_relative_to(folder.resolve()):
-        return path.relative_to(folder.resolve()).as_posix()
-    if not path.is_file():
-        return path.name
-    contents, name, k = path.read_bytes(), path.name, 1
+    if held is None:
+        if path.is_relative_to(folder.resolve()):
+            return path.relative_to(folder.resolve()).as_posix()
+        if not path.is_file():
+            return path.name
+    contents = path.read_bytes() if held is None else held.encode()
+    name, k = path.name, 1
     while (folder / name).exists() and (folder / name).read_bytes() != contents:
         k += 1
         name = f"{path.stem}-{k}{path.suffix}"

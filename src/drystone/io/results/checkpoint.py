@@ -15,7 +15,7 @@ import io
 import json
 import os
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -64,10 +64,15 @@ class CheckpointWriter:
         _put(self._path, entries, sync=sync)
 
 
-def write_plan(folder: Path, model: Model, plan: Mapping[str, Any]) -> None:
-    """Keep what is asked for of a model in several directions; raises `OSError`."""
+def write_plan(
+    folder: Path, model: Model, plan: Mapping[str, Any], before: Callable[[], None]
+) -> None:
+    """Keep what is asked for of a model in several directions; raises `OSError`.
+
+    ``before`` is called once the plan is on the disk, before it has its name.
+    """
     about = {"plan": plan, "version": package_version()}
-    _put(folder / PLAN, {"about": _text(about), **_entries("model", packed(model))})
+    _put(folder / PLAN, {"about": _text(about), **_entries("model", packed(model))}, before=before)
 
 
 def read_plan(folder: Path) -> tuple[Model, dict[str, Any]] | None:
@@ -126,14 +131,23 @@ def _model(file: Any) -> Model:
     return model
 
 
-def _put(path: Path, entries: dict[str, Any], *, sync: bool = True) -> None:
-    """Write a file beside, then put it in its place."""
+def _put(
+    path: Path,
+    entries: dict[str, Any],
+    *,
+    sync: bool = True,
+    before: Callable[[], None] | None = None,
+) -> None:
+    """Write a file beside, then put it in its place; ``before`` is called between."""
     content = io.BytesIO()
     np.savez(content, **entries)
-    with whole_file(path) as draft, draft.open("wb", buffering=0) as file:
-        put_all(file, content.getbuffer())
-        if sync:
-            os.fsync(file.fileno())
+    with whole_file(path) as draft:
+        with draft.open("wb", buffering=0) as file:
+            put_all(file, content.getbuffer())
+            if sync:
+                os.fsync(file.fileno())
+        if before is not None:
+            before()
     if sync:
         sync_folder(path.parent)
 

@@ -10,6 +10,7 @@
     /blocks/id, centroid, weight, support
     /blocks/vertices, offset, body      shape s, of block body[s], has vertices from offset[s] on
     /blocks/rows, face_offset, part_faces, axes     of space only, see below
+    /files/name, text       the files that the model names, of its site and its control
     /groups/name, offset, block         group k has the blocks block[offset[k]:offset[k + 1]]
     /ties/name              of ties, where there are any
     /ties/force, elongation, state      (n_points, n_ties) N, m, row of `ties.STATES`
@@ -45,6 +46,8 @@ from numpy.typing import NDArray
 from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
 from drystone.io.modelfile import model_to_dict
+from drystone.io.modelfile.named import texts_of
+from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.write import to_toml
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.interrupts import uninterrupted
@@ -114,7 +117,7 @@ class ResultsWriter:
             {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
         )
         try:
-            self.describe(model, engine, strategy, part_of=part_of)
+            self._describe(model, engine, strategy, part_of=part_of)
             self._lay_out(model)
             self.flush()
         except BaseException:
@@ -260,11 +263,23 @@ class ResultsWriter:
         self._points, self._poses, self._contacts, self._waiting = [], [], [], 0
         self._ties = []
 
-    def describe(self, model: Model, engine: str, strategy: str, *, part_of: str) -> None:
-        """Say what is analysed, in place of what the file said before."""
+    def extend(self, model: Model) -> None:
+        """Say what is analysed from here on: the same model with another end."""
+        self._file.attrs["model"] = text_of(to_toml(model_to_dict(model)))
+        self._file.attrs["stop_multiplier"] = model.analysis.stop_multiplier
+
+    def _describe(self, model: Model, engine: str, strategy: str, *, part_of: str) -> None:
+        """Say what is analysed."""
         text = _text_of_file(model)
         if text is None:
-            text = to_toml(model_to_dict(model))
+            data = model_to_dict(model)
+            text = to_toml(data)
+        else:
+            data = parse(text.encode(), is_json=False)
+        files = texts_of(model, data)
+        group = self._file.create_group("files")
+        for key, texts in (("name", files.keys()), ("text", files.values())):
+            group[key] = np.array([text_of(text) for text in texts], dtype=h5py.string_dtype())
         self._file.attrs.update(
             {
                 "title": text_of(model.title),
@@ -277,7 +292,6 @@ class ResultsWriter:
                 "thickness": model.assembly.thickness,
                 "model": text_of(text),
                 "model_source": text_of(model.source or ""),
-                "model_folder": text_of(_folder_of(model)),
                 "model_sha256": model.sha256,
                 "part_of": part_of,
                 "run": self.run,
@@ -355,12 +369,6 @@ class ResultsWriter:
             dataset.attrs["unit"] = UNITS[name]
 
 
-def _folder_of(model: Model) -> str:
-    """Whole path from where files go that the model's site and assessment name; "" without."""
-    told = model.site or model.assessment
-    return "" if told is None else str(Path(told.folder).resolve())
-
-
 def _shapes(assembly: Assembly) -> Iterator[tuple[str, NDArray[Any]]]:
     """Arrays of the blocks' shapes by their names in the file."""
     shapes = MovingShapes.of(assembly)
@@ -417,9 +425,12 @@ class ResultsReader:
         """Digest of the model of which this is the other sense; empty where it is none."""
         return str(self._file.attrs.get("part_of", ""))
 
-    def folder_of_model(self) -> str | None:
-        """From where files go that the model's site names; None of files that do not say."""
-        return self._file.attrs.get("model_folder") or None
+    def files(self) -> dict[str, str]:
+        """Texts of the files that the model names, by their names."""
+        if "files" not in self._file:  # of an older version
+            return {}
+        names, texts = (self._file["files"][key].asstr()[:] for key in ("name", "text"))
+        return dict(zip(map(str, names), map(str, texts), strict=True))
 
     def points(self) -> tuple[CurvePoint, ...]:
         """All points of the curve."""

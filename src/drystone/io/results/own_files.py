@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from contextlib import suppress
 from pathlib import Path
 
 from drystone.io.results.checkpoint import CHECKPOINT, PLAN
+from drystone.io.results.folder import FolderLock
 from drystone.io.results.journal import journal_of
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
@@ -23,18 +24,34 @@ PAGES = ("report.html", "view.html")
 MARK, WITHIN = b'name="generator" content="drystone', 4096
 
 
-def clear(folder: Path) -> None:
+def clear(folder: Path, *, keep: Container[str] = ()) -> None:
     """Remove what runs, assessments, reports and viewers have left, folders of other senses and
     directions included.  Files of other names, and pages of someone else, stay.
+
+    Parameters
+    ----------
+    keep
+        Names of folders of directions that stay, emptied: others are about to write there.
     """
     for name in (CHECKPOINT, PLAN, RESULTS, journal_of(Path(RESULTS)).name):
         (folder / name).unlink(missing_ok=True)
     clear_derived(folder)
     for inner in list(_folders(folder)):
         clear(inner)
-        for empty in (inner / PARAVIEW, inner):
-            with suppress(OSError):  # of something else that is in it
-                empty.rmdir()
+        if inner.name not in keep:
+            _remove_empty(inner)
+    _remove_empty(folder / PARAVIEW)
+
+
+def _remove_empty(folder: Path) -> None:
+    with suppress(OSError):  # of something else that is in it
+        folder.rmdir()
+
+
+def check_free(folder: Path) -> None:
+    """Raise `OutputError` where a run of its own writes in a folder of a sense or a direction."""
+    for inner in _folders(folder):
+        FolderLock(inner).release()
 
 
 def clear_derived(folder: Path) -> None:

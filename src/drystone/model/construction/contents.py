@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from drystone.common.ranges import LARGEST
@@ -10,12 +12,36 @@ from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
 
 
-def read_bytes(path: Path, what: str) -> bytes:
+@dataclass(frozen=True)
+class Held:
+    """A file that a model of results names: they hold its text, or None where it was not there."""
+
+    name: str
+    text: str | None
+
+
+def file_named(name: str, folder: str, files: Mapping[str, str] | None) -> Path | Held:
+    """The file of a name: in a folder, or one of the texts that results hold by their names."""
+    return Path(folder) / name if files is None else Held(name, files.get(name))
+
+
+def name_of(path: str | Path | Held) -> str:
+    """The last part of a file's path."""
+    return Path(path.name if isinstance(path, Held) else path).name
+
+
+def read_bytes(path: Path | Held, what: str) -> bytes:
     """Contents of a file; raises `ModelError` where there is none to read.
 
     Only files of a disk are opened, none of pipes and devices, which may have no end, and only up
     to a size.  ``what`` is named where the path is that of a folder.
     """
+    if isinstance(path, Held):
+        if path.text is None:
+            raise ModelError(
+                ["is not held by these results, which read no other file: analyse the model again"]
+            )
+        return path.text.encode()
     try:
         about = path.stat()
         if stat.S_ISDIR(about.st_mode):
@@ -44,11 +70,7 @@ def within(folder: Path, name: str) -> Path:
     A model of somebody else may name any file of whoever runs it: its own are those in its folder
     and below, wherever links lead.
     """
-    try:
-        path, home = (folder / name).resolve(), folder.resolve()
-    except (OSError, RuntimeError, ValueError):
-        raise ModelError([f"{quoted(name)} is no path of a file: mend it"]) from None
-    if not path.is_relative_to(home):
+    if is_outside(folder, name):
         raise ModelError(
             [
                 f"{quoted(name)} lies outside of the model file's folder, and a model names files "
@@ -56,6 +78,14 @@ def within(folder: Path, name: str) -> Path:
             ]
         )
     return folder / name
+
+
+def is_outside(folder: Path, name: str) -> bool:
+    """Whether a name leads out of a folder; raises `ModelError` where it is no path of a file."""
+    try:
+        return not (folder / name).resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):
+        raise ModelError([f"{quoted(name)} is no path of a file: mend it"]) from None
 
 
 def _too_large(size: int) -> str:

@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.geometry import GeometryError
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Assembly, Block
+from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.model.monitor import ControlPoint
 
@@ -31,6 +33,8 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     ------
     ValueError
         The model is one of space already.
+    ModelError
+        A block is no solid: solids are held to be flat sooner than outlines.
     """
     plane = model.assembly
     depth = plane.depth
@@ -41,16 +45,20 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     def into(vector: Array, *, point: bool = False) -> Array:
         return _in_space(vector, 0.5 * depth if point else 0.0)
 
-    return replace(
-        model,
-        assembly=Assembly.build(
+    try:
+        assembly = Assembly.build(
             [_extruded(block, depth) for block in plane.blocks],
             joint=plane.joint,
             corner=plane.corner,
             joint_between=plane.joint_between,
             points=points,
             up=_in_space(plane.up),
-        ),
+        )
+    except GeometryError as error:
+        raise ModelError([f"as a solid, {error}"]) from None
+    return replace(
+        model,
+        assembly=assembly,
         load=model.load.in_space(into),
         dead_loads=tuple(load.in_space(into) for load in model.dead_loads),
         ties=tuple(tie.in_space(into) for tie in model.ties),

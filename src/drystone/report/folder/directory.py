@@ -26,7 +26,7 @@ from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
-from drystone.io.results.own_files import clear, clear_derived
+from drystone.io.results.own_files import check_free, clear, clear_derived
 from drystone.limit.beside import Beside
 from drystone.model.model import Model
 from drystone.model.ties import TieState
@@ -41,8 +41,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Seconds between two checkpoints: at least these, and as many times those that one takes, so that
-#: they cost a hundredth of the run; at most those, of work that a kill may cost.
-SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 25.0
+#: they cost a hundredth of the run; at most those, of work that a kill may cost beside the step
+#: that it cuts off.
+SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 15.0
 #: Name of results before their first point is on the disk.
 DRAFT = RESULTS + ".part"
 
@@ -72,6 +73,8 @@ class ResultsDirectory:
         Of pictures beside PNG: "svg", "pdf".
     part_of
         Digest of the model in the folder above, of which this is the other sense.
+    takes_over
+        Called once the first point is on the disk, before earlier results go.
 
     Raises
     ------
@@ -88,6 +91,7 @@ class ResultsDirectory:
         aside: Aside | None = None,
         formats: Sequence[str] = (),
         part_of: str = "",
+        takes_over: Callable[[], None] | None = None,
     ) -> None:
         self.path = Path(path)
         self.beside = beside or Beside()  # may be said later, before the end
@@ -98,6 +102,7 @@ class ResultsDirectory:
         self._model: Model | None = None
         self._names = ("", "")
         self._part_of = part_of
+        self._takes_over = takes_over
         self._ties: TieState | None = None  # of the point to come
         self._writer: ResultsWriter | None = None
         self._lock: FolderLock | None = None
@@ -203,6 +208,9 @@ class ResultsDirectory:
         try:
             writer = in_a_sentence(lambda: self._open(draft))
             in_a_sentence(lambda: writer.append(point, pose, contacts, self._ties))
+            in_a_sentence(lambda: check_free(self.path))
+            if self._takes_over is not None:
+                in_a_sentence(self._takes_over)
         except OutputError:
             self._withdraw(writer, draft, made=made)
             raise
@@ -224,7 +232,8 @@ class ResultsDirectory:
         clear_derived(self.path)
         (self.path / PARAVIEW).mkdir(exist_ok=True)
         writer = ResultsWriter.going_on(self.path / RESULTS, n_points)
-        writer.describe(model, *self._names, part_of=self._part_of)
+        if self._kept is not None and model is not self._kept.model:
+            writer.extend(model)
         return writer
 
     def _withdraw(self, writer: ResultsWriter | None, draft: Path, *, made: bool) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drystone.io.results.checkpoint import CHECKPOINT, CheckpointError, read_checkpoint
@@ -53,6 +54,19 @@ def kept_in(folder: Path) -> Kept:
         ) from None
 
 
+def _holding(model: Model, files: Mapping[str, str]) -> Model:
+    """The model of a checkpoint, whose files are those that the results hold."""
+    site, assessment = model.site, model.assessment
+    held = replace(
+        model,
+        site=None if site is None else replace(site, files=files),
+        assessment=None if assessment is None else replace(assessment, files=files),
+    )
+    if model.origin is None or model.source is None:  # varied since it was read
+        return held
+    return replace(held, origin=replace(model.origin, contents=held.contents))
+
+
 def _kept(folder: Path, stored: ResultsReader) -> Kept:
     past, n_points = None, stored.n_points
     try:
@@ -70,6 +84,7 @@ def _kept(folder: Path, stored: ResultsReader) -> Kept:
             )
     else:
         model, checkpoint = found
+        model = _holding(model, stored.files())
         n = checkpoint.n_points
         if n > n_points:
             raise OutputError(

@@ -14,7 +14,7 @@ from drystone.control.stops import STOPS
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError
 from drystone.limit.beside import limits_beside
-from drystone.model.model import Model
+from drystone.model.model import REMOVE, Model
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.report.folder.kept import Kept
 from drystone.report.folder.results import load_results
@@ -22,6 +22,8 @@ from drystone.results.curve import CapacityCurve, CurvePoint
 
 #: Keys of [analysis] that a run may go on with other values of, beside the stop conditions.
 EXTENDED = ("stop_multiplier", *SITTING)
+#: How far supports go, where they move.
+SETTLEMENT = "settlement"
 
 
 def resume(
@@ -45,8 +47,9 @@ def resume(
         As of `pushover`.
     extended
         Other ends of the curve: ``stop_multiplier``, ``max_displacement``, ``max_steps``,
-        ``max_points``, ``max_time``, or None for no such end.  A curve that is complete goes on
-        with them; what it has stays, but for its last step.
+        ``max_points``, ``max_time``, or None for no such end; ``settlement`` is how far supports
+        go that move [m, or degrees about a centre].  A curve that is complete goes on with them;
+        what it has stays, but for its last step.
 
     Raises
     ------
@@ -73,6 +76,7 @@ def go_on(
     engine: Engine[Any] | None = None,
     progress: Callable[[CurvePoint], None] | bool | None = None,
     threads: int | None = None,
+    default_falling: str = REMOVE,
 ) -> CapacityCurve:
     """Trace on what a folder has kept, of its model with whatever end; or anew without a state."""
     check_resumes(kept, engine)
@@ -86,6 +90,7 @@ def go_on(
         recorder=results,
         progress=progress,
         threads=threads,
+        default_falling=default_falling,
     )
 
 
@@ -100,9 +105,12 @@ def extended_to(model: Model, ends: Mapping[str, float | None]) -> Model:
     """The model with other ends of its curve; raises `EngineError` for what is no end."""
     if not ends:
         return model
+    ends = dict(ends)
+    if SETTLEMENT in ends:
+        model = _farther(model, ends.pop(SETTLEMENT))
     for key, value in ends.items():
         if key not in EXTENDED and key not in STOPS:
-            known = ", ".join(dict.fromkeys((*EXTENDED, *STOPS.names())))
+            known = ", ".join(dict.fromkeys((*EXTENDED, *STOPS.names(), SETTLEMENT)))
             raise EngineError(f'"{key}" is no end of a curve that could be extended: take {known}')
         wrong = problem(key, value) if value is not None else None
         if value is None and key == "stop_multiplier":
@@ -113,3 +121,18 @@ def extended_to(model: Model, ends: Mapping[str, float | None]) -> Model:
     options = {k: v for k, v in {**analysis.options, **ends}.items() if v is not None}
     stop = options.pop("stop_multiplier", analysis.stop_multiplier)
     return replace(model, analysis=replace(analysis, stop_multiplier=stop, options=options))
+
+
+def _farther(model: Model, amount: float | None) -> Model:
+    """The model whose supports go farther; raises `EngineError` where they do not."""
+    settlement = model.settlement
+    if settlement is None:
+        raise EngineError(f"{SETTLEMENT}: the supports of this model do not move")
+    if amount is None or problem(SETTLEMENT, amount):
+        raise EngineError(f"{SETTLEMENT}: {problem(SETTLEMENT, amount) or 'must be a number'}")
+    if amount < settlement.max:  # as far may be asked for again, after a kill
+        unit = "degrees" if settlement.rotates else "m"
+        raise EngineError(
+            f"{SETTLEMENT}: the run goes to {settlement.max:g} {unit} already: take more"
+        )
+    return replace(model, settlement=replace(settlement, max=amount))

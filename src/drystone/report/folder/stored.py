@@ -47,7 +47,7 @@ def model_of(stored: ResultsReader) -> Model | None:
             source=stored.attribute("model_source") or None,
             sha256=stored.attribute("model_sha256"),
             need_engine=False,
-            folder=stored.folder_of_model(),
+            files=stored.files(),
         )
     except ModelError:
         return None
