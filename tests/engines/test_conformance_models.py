@@ -197,7 +197,7 @@ def traced(model: Model, name: str | Engine) -> tuple[Engine, CapacityCurve]:
         engine=solver,
         strategy="displacement",
         max_displacement=5e-3,
-        max_steps=80,
+        max_steps=100,
         keep_poses=True,
         keep_contacts=True,
     )

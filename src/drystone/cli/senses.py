@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from drystone.cli.outcome import INTERRUPTED, fail
 from drystone.common.language import said_end, say
-from drystone.io.results.folder import OutputError
 from drystone.io.results.names import RESULTS
 from drystone.io.results.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
-from drystone.model.model import STOP
 
 if TYPE_CHECKING:
     from drystone.assessment.verdict import Verdict
@@ -74,6 +72,8 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     """
     if ask.source.is_dir():
         if ask.resume:
+            from drystone.io.results.folder import OutputError
+
             raise OutputError(
                 f"--resume: {ask.source} is a folder: name the model file, and the folder by --out"
             )
@@ -158,6 +158,8 @@ def _of_folder(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
 
     def judged(results: Results, name: str) -> Sense:
         if results.model is None:
+            from drystone.io.results.folder import OutputError
+
             raise OutputError(
                 f"{results.path}: the model in it cannot be read by this version: trace it again, "
                 "or assess the model file"
@@ -185,6 +187,7 @@ def _traced_one(name: str, model: Model, folder: Path, ask: Tracing, *, part_of:
     from drystone.common.progress import progress_for
     from drystone.io.results.folder import check_apart, check_writable
     from drystone.limit import limits_beside, on_what_moves
+    from drystone.model.model import STOP
     from drystone.report.folder.directory import ResultsDirectory, files_of
 
     if ask.resume and (folder / RESULTS).is_file():
@@ -216,7 +219,9 @@ def _resumed(name: str, model: Model, folder: Path, ask: Tracing, *, part_of: st
     """The sense whose run in a folder stopped, or is complete."""
     from drystone.cli.compiler import compiling
     from drystone.common.progress import progress_for
+    from drystone.io.results.folder import OutputError
     from drystone.limit import limits_beside, on_what_moves
+    from drystone.model.model import STOP
     from drystone.report.folder.directory import ResultsDirectory
     from drystone.report.folder.results import load_results
     from drystone.report.folder.resume import go_on
