@@ -27,6 +27,7 @@ from drystone.io.results import diskfile, journal
 from drystone.io.results.checkpoint import CHECKPOINT
 from drystone.io.results.diskfile import DiskFile
 from drystone.io.results.folder import FolderLock, OutputError
+from drystone.report.folder import directory
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 AT_A_SITE = EXAMPLES / "wall_at_a_site.toml"
@@ -230,6 +231,30 @@ def test_supports_that_do_not_move_go_no_farther(tmp_path):
     paused(tmp_path / "out")
     with pytest.raises(EngineError, match="do not move"):
         ds.resume(tmp_path / "out", settlement=0.01)
+
+
+def test_states_are_kept_every_few_seconds_however_short_steps_are(tmp_path, monkeypatch):
+    """On a clock by which a step takes one second, and a state no time."""
+    kept: list[float] = []
+    clock = [0.0]
+
+    class Watched(ds.ResultsDirectory):
+        def keep(self, make, *, last=False):
+            clock[0] += 1.0
+
+            def made():
+                kept.append(clock[0])
+                return make()
+
+            super().keep(made, last=last)
+
+    monkeypatch.setattr(directory.time, "monotonic", lambda: clock[0])
+    model = ds.read_model(EXAMPLES / "two_blocks.toml").with_analysis(max_points=40)
+    ds.pushover(model, engine="equilibrium", recorder=Watched(tmp_path), progress=False)
+    assert kept[0] == 1.0
+    assert np.diff(kept[:-1]) == pytest.approx(directory.SECONDS)  # the last one is at the end
+    assert clock[0] - kept[-2] < directory.SECONDS
+    assert len(kept) > 3
 
 
 def test_max_time_pauses(tmp_path):

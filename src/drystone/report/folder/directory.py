@@ -163,8 +163,10 @@ class ResultsDirectory:
         if last:
             with suppress(OSError):
                 self._put(writer, make())
-        elif begun >= self._keeps_at:
-            in_a_sentence(lambda: self._put(writer, make()))
+            return
+        if begun < self._keeps_at:
+            return
+        in_a_sentence(lambda: self._put(writer, make()))
         taken = time.monotonic() - begun
         self._keeps_at = begun + min(max(SECONDS, TIMES * taken), MOST_SECONDS)
 
