@@ -23,6 +23,17 @@ normal_stiffness = 1e8
 shear_stiffness = 1e11
 """
 
+#: The same, with a support that is 2 m long.
+BASE = (
+    HEAD
+    + """
+[[block]]
+id = "base"
+vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+support = true
+"""
+)
+
 #: Functions that a study file names; some tests let them take their time.
 FUNCTIONS = """
 import math, os, time

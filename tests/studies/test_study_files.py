@@ -10,15 +10,11 @@ import pytest
 from drystone.studies import paths
 from drystone.studies.errors import StudyError
 from drystone.studies.read import read_study
-from studied import HEAD, written
+from studied import BASE, written
 
 WALL = (
-    HEAD
+    BASE
     + """
-[[block]]
-id = "base"
-vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
-support = true
 [[block]]
 id = "b1"
 vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.9], [-0.2, 0.9]]

@@ -10,16 +10,12 @@ from typer.testing import CliRunner
 
 import drystone as ds
 from drystone.cli import app
-from studied import HEAD, written
+from studied import BASE, written
 
 #: Upright at its right, leaning at its left: it turns over more easily towards its upright side.
 LEANING = (
-    HEAD
+    BASE
     + """
-[[block]]
-id = "base"
-vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
-support = true
 [[block]]
 id = "b1"
 vertices = [[-0.4, 0.0], [0.2, 0.0], [0.2, 1.5], [0.0, 1.5]]

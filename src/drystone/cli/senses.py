@@ -106,22 +106,13 @@ def _both(ask: Tracing, model: Model) -> bool:
 
 def _judged_against(model: Model, curve: CapacityCurve, folder: Path, sha256: str) -> Sense:
     """The verdict on the envelope of a cyclic curve against the load."""
-    from drystone.assessment.verdict import sense_words, turned
+    from drystone.assessment.verdict import turned
     from drystone.model.construction.errors import ModelError
 
     try:
         turned(model)
     except (ModelError, ValueError) as error:  # of a pattern of one sense the last
-        problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
-        return Sense(
-            name=OPPOSITE,
-            model=model,
-            folder=folder,
-            curve=None,
-            verdict=None,
-            problem=problem,
-            warnings=(problem,),
-        )
+        return _refused(model, folder, error)
     return _judged(OPPOSITE, model, curve, folder, sha256, against=True)
 
 
@@ -258,7 +249,6 @@ def _fail_if_interrupted(curve: CapacityCurve, folder: Path, ask: Tracing) -> No
 
 def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     """The model under the load turned round; where it cannot be traced, why."""
-    from drystone.assessment.verdict import sense_words
     from drystone.engines.base import EngineError
     from drystone.model.construction.errors import ModelError
 
@@ -270,10 +260,17 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
         )
         return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)
     except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
-        problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
+        return _refused(turned, folder, error)
+
+
+def _refused(model: Model, folder: Path, error: Exception) -> Sense:
+    """The opposite sense where it has no curve, with why."""
+    from drystone.assessment.verdict import sense_words
+
+    problem = say("refused.no_curve", sense=sense_words(OPPOSITE), why=str(error))
     return Sense(
         name=OPPOSITE,
-        model=turned,
+        model=model,
         folder=folder,
         curve=None,
         verdict=None,
