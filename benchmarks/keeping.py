@@ -3,10 +3,9 @@
     python benchmarks/keeping.py [--model wall1] [--model facade] [--model house] [--engine NAME]
 
 Each model is traced into a folder of results, as ``drystone run`` does, after small ones that warm
-the compiled code up.  A state is packed and written by `ResultsDirectory.keep`, which is timed.  It
-first brings points to the disk, as a run does without states, about once a second and at its end;
-that time is told apart.  ``--repeats N`` traces each model N times with states and N times without,
-in turn, and compares the medians.
+the compiled code up.  Packing a state and writing it is timed.  Points are brought to the disk
+before it, as they are without states about once a second: ``--repeats N`` traces each model N
+times with states and N times without, in turn, and compares the medians.
 """
 
 from __future__ import annotations
@@ -41,44 +40,37 @@ class Watched(ds.ResultsDirectory):
     def __init__(self, path: Path, *, keeps: bool = True) -> None:
         super().__init__(path)
         self.keeps = keeps
-        self.seconds = 0.0  # of the processor, of all states, points before them included
-        self.of_points = 0.0  # of these, of points
+        self.seconds = 0.0  # of the processor, of all states
         self.kept_at = [(time.monotonic(), time.process_time())]  # s, of states on the disk
         self.largest = 0  # bytes, of a state
-        self.ended_at = 0.0  # s, of the processor, when all points were on the disk
+        self.ended_at = 0.0  # s, of the processor, before pictures and tables
 
     def keep(self, make: Callable[[], Checkpoint], *, last: bool = False) -> None:
         """See `ResultsDirectory`."""
-        if not self.keeps:
-            return
-        made, begun = [], time.process_time()
 
-        def one() -> Checkpoint:
-            made.append(make())
-            return made[-1]
+        def timed() -> Checkpoint:
+            begun = time.process_time()
+            made = make()
+            self.seconds += time.process_time() - begun
+            return made
 
-        super().keep(one, last=last)
-        self.seconds += time.process_time() - begun
-        if made:
-            self._note()
-            self.largest = max(self.largest, (self.path / CHECKPOINT).stat().st_size)
+        if self.keeps:
+            super().keep(timed, last=last)
 
-    def end(self, curve: CapacityCurve) -> None:
-        """See `ResultsDirectory`."""
-        if self._writer is not None:
-            self._writer.flush()
+    def _close_whole(self, writer: ResultsWriter, curve: CapacityCurve) -> OSError | None:
+        failure = super()._close_whole(writer, curve)
         self.ended_at = time.process_time()
-        self._note()
-        super().end(curve)
+        return failure
 
     def _note(self) -> None:
         self.kept_at.append((time.monotonic(), time.process_time()))
 
     def _put(self, writer: ResultsWriter, checkpoint: Checkpoint) -> None:
         begun = time.process_time()
-        writer.flush()
-        self.of_points += time.process_time() - begun
         super()._put(writer, checkpoint)
+        self.seconds += time.process_time() - begun
+        self._note()
+        self.largest = max(self.largest, (self.path / CHECKPOINT).stat().st_size)
 
 
 def model_of(name: str) -> Model:
@@ -104,16 +96,15 @@ def told(name: str, model: Model, engine: str) -> None:
         watched, seconds = traced(model, engine, folder)
         size = (watched.path / RESULTS).stat().st_size
         curve = ds.load_results(watched.path).curve
-    own = watched.seconds - watched.of_points
+    own = watched.seconds
     wall, own_time = (max(b[k] - a[k] for a, b in pairwise(watched.kept_at)) for k in (0, 1))
     n = len(curve.points)
     print(
         f"{name}: {model.assembly.n_blocks} blocks, {n} points, {curve.status}; "
-        f"{seconds:.1f} s of the processor, of which {len(watched.kept_at) - 2} states "
-        f"{own:.3f} s, {100.0 * own / seconds:.2f} %, and points before them "
-        f"{watched.of_points:.3f} s; a state {watched.largest / 1e6:.2f} MB, {RESULTS} "
-        f"{size / 1e6:.2f} MB, {size / n / 1e3:.0f} kB a point; longest between two states "
-        f"{wall:.1f} s, {own_time:.1f} s of the processor",
+        f"{seconds:.1f} s of the processor, of which {len(watched.kept_at) - 1} states "
+        f"{own:.3f} s, {100.0 * own / seconds:.2f} %; a state {watched.largest / 1e6:.2f} MB, "
+        f"{RESULTS} {size / 1e6:.2f} MB, {size / n / 1e3:.0f} kB a point; longest between two "
+        f"states {wall:.1f} s, {own_time:.1f} s of the processor",
         flush=True,
     )
 

@@ -362,7 +362,8 @@ def killed(tmp_path_factory):
 
 
 @pytest.mark.parametrize("command", ["report", "view", "compare"])
-def test_commands_read_the_folder_of_a_killed_run(killed, command):
+def test_commands_read_the_folder_of_a_killed_run(killed, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where `compare` writes its picture
     told = CliRunner().invoke(app, [command, str(killed)])
     assert told.exit_code == 0, told.output
 

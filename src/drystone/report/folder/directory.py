@@ -109,6 +109,7 @@ class ResultsDirectory:
         self._kept: Kept | None = None  # of a run that goes on
         self._checkpoints: CheckpointWriter | None = None
         self._keeps_at = 0.0  # s, of the clock, from which on a checkpoint is taken
+        self._last: Checkpoint | None = None  # of the end, for `end` to write
         check_writable(self.path)
 
     @property
@@ -153,26 +154,27 @@ class ResultsDirectory:
     def keep(self, make: Callable[[], Checkpoint], *, last: bool = False) -> None:
         """Take a checkpoint where it is time for one, or it is the ``last``.
 
-        The points before it are on the disk first.  At the end of a run whose results the
-        disk did not take, the checkpoint before stays: its points are there.
+        The points before it are on the disk first; the last one waits for the end of the curve,
+        which brings its points there.  Of results that the disk does not take, the checkpoint
+        before stays: its points are there.
         """
         writer = self._writer
         if writer is None or not writer.whole:
             return
-        begun = time.monotonic()
         if last:
-            with suppress(OSError):
-                self._put(writer, make())
+            self._last = make()
             return
+        begun = time.monotonic()
         if begun < self._keeps_at:
             return
-        in_a_sentence(lambda: self._put(writer, make()))
+        checkpoint = make()
+        in_a_sentence(writer.flush)
+        in_a_sentence(lambda: self._put(writer, checkpoint))
         taken = time.monotonic() - begun
         self._keeps_at = begun + min(max(SECONDS, TIMES * taken), MOST_SECONDS)
 
     def _put(self, writer: ResultsWriter, checkpoint: Checkpoint) -> None:
         assert self._model is not None
-        writer.flush()
         if self._checkpoints is None:
             self._checkpoints = CheckpointWriter(self.path, self._model, writer.run)
         with uninterrupted():
@@ -249,18 +251,25 @@ class ResultsDirectory:
             with suppress(OSError):  # of something else that is in it
                 self.path.rmdir()
 
+    def _close_whole(self, writer: ResultsWriter, curve: CapacityCurve) -> OSError | None:
+        """Bring the curve to the disk, then its last checkpoint; the error where that fails."""
+        try:
+            writer.close(curve)
+        except OSError as error:
+            return error
+        if writer.whole and self._last is not None:
+            with suppress(OSError):
+                self._put(writer, self._last)
+        return None
+
     def _finish(self, curve: CapacityCurve) -> None:
         """Write all files.  Where ``results.h5`` fails, the short files are still written, of the
         points that it has."""
         model, writer = self._model, self._writer
         assert model is not None and writer is not None
-        failure: OSError | None = None
-        try:
-            writer.close(curve)
-        except OSError as error:
-            failure = error
-            if curve.status == "finished":
-                curve = replace(curve, status="stopped", reason=str(as_output_error(error)))
+        failure = self._close_whole(writer, curve)
+        if failure is not None and curve.status == "finished":
+            curve = replace(curve, status="stopped", reason=str(as_output_error(failure)))
         if writer.n_kept < len(curve.points):
             curve = _as_kept(curve, writer.n_kept)
         beside = self.beside if isinstance(self.beside, Beside) else self.beside()
