@@ -169,7 +169,7 @@ class TestOneSense:
         cut(other, 10)
         told = drystone("assess", results, *FLAGS).stdout
         notes = [line for line in told.splitlines() if line.startswith("  note:")]
-        assert notes[0].startswith("  note: Only one sense of the load has a verdict, along the load:")
+        assert notes[0].startswith("  note: Only one sense of the load has a verdict, along")
         assert "against the load there is no verdict" in notes[0]
 
     def test_in_python_and_in_a_report_of_a_run(self, results):
@@ -325,7 +325,7 @@ def test_results_of_somebody_else_read_no_file_of_mine(made, tmp_path, monkeypat
             file.attrs["model_folder"] = str(tmp_path)
         for more in ((), ("--set", "site.damping=4.0")):
             result = drystone("assess", out, *more)
-            assert result.exit_code == 2 and "is not held by these results" in result.stderr
+            assert result.exit_code == 2 and "is not stored in these results" in result.stderr
     with h5py.File(out / "results.h5", "r+") as file:
         file.attrs["model"] = given + '[control]\nhistory = "history.txt"\n'
     assert ds.load_results(out).model is None

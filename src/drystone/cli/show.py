@@ -49,7 +49,7 @@ def show(
         check_apart(model_file, [path])
         page = path.suffix.lower() == PAGE
         if names and page:
-            raise ModelError(["--names: is of pictures, the page tells names itself"])
+            raise ModelError(["--names: is for pictures; the page shows names by itself"])
         model, wrong = model_or_sketch(model_file)
         missing: list[str] = []
         if isinstance(model, Sketch):

@@ -39,7 +39,7 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     plane = model.assembly
     depth = plane.depth
     if depth is None:
-        raise ValueError("the model is one of space already: only plane ones can be extruded")
+        raise ValueError("the model is already in space: only models in the plane can be extruded")
     control = model.control_point
 
     def into(vector: Array, *, point: bool = False) -> Array:

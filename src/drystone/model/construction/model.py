@@ -200,7 +200,7 @@ def _pattern(
     if load is not None and not hasattr(load, "along"):
         raise ModelError(
             [
-                "load: is no pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
+                "load: must be a pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
                 "load_direction alone"
             ]
         )
@@ -285,7 +285,7 @@ def _depth_problems(
         found.append(f"contact.points: must be {of.points_text}, it is {points}")
     if of.thickness(1.0) is None:
         if thickness is not None:
-            found.append("thickness: is of two dimensions: take it out")
+            found.append("thickness: is for models in the plane only: take it out")
     elif thickness is None:
         found.append("thickness: is missing: give it in m, out of plane")
     elif wrong := problem("thickness", thickness):
