@@ -33,8 +33,8 @@ def show(
 ) -> None:
     """Draw a model: blocks, supports, load, control point, and the joints found with their areas.
 
-    Faces that lie near each other without a joint are red. Of a drawing, and of a file that is no
-    model yet, the blocks are drawn, in red where they overlap.
+    Faces that lie near each other without a joint are red. For a drawing, or a file that is not a
+    complete model, the blocks are drawn, in red where they overlap.
     """
     with outcome(as_json=as_json):
         from drystone.cli.sketches import lacking, model_or_sketch, refused
