@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 def extruded(model: Model, *, points: int = 4) -> Model:
     """The same structure in space, from y = 0 to its thickness.
 
-    Load and control point lie in the plane amid them; edges are treated as corners were, on all
+    Load and control point lie in the middle plane. Edges are treated as the corners were, on all
     sides of a block.
 
     Parameters
