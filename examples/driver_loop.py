@@ -1,8 +1,8 @@
 """The pushover analysis written out by hand, from the same public parts that `ds.pushover` uses.
 
 An engine starts a state from a problem and steps it as demanded; a control reads the report of the
-step and says what to demand next.  There is nothing else to it: the curve is `ds.pushover`'s to
-the last bit, which a test holds it to.
+step and says what to demand next.  Nothing else is needed: a test checks that the curve equals
+that of `ds.pushover` to the last bit.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
-"""A sweep over the friction coefficient: one model, varied; one curve each.
+"""One model with several friction coefficients, and a curve for each.
 
-A wall of high friction rocks, one of low friction slides, and its peak lies at or below its
-friction coefficient: nothing that rests on a horizontal joint can be pushed harder than that.
+A wall of high friction rocks.  A wall of low friction slides, and its peak lies at or below its
+friction coefficient, because nothing on a horizontal joint carries more than that.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""An engine outside the package: the strategy on another program, here one of a rocking block."""
+"""An engine of your own: drystone drives another program, here one of a single rocking block."""
 
 from collections import namedtuple
 

@@ -1,4 +1,4 @@
-"""The capacity curve of a wall in Python: read a model, trace its curve, look at what came out.
+"""The capacity curve of a wall in Python: read a model, trace its curve, look at the results.
 
 Run it with ``python examples/wall_curve.py``; it writes two pictures to ``out/wall_curve``.
 """

@@ -456,7 +456,7 @@ class TestSettings:
         for file, settings, said in (
             (tmp_path / "none.obj", {}, "there is no such file"),
             (tmp_path, {"format": "obj"}, "is a folder"),
-            (path.with_suffix(".xyz"), {}, 'ending ".xyz" means no format'),
+            (path.with_suffix(".xyz"), {}, 'ending ".xyz" belongs to no format'),
             (path, {"format": "objx"}, 'no format "objx": did you mean "obj"'),
         ):
             with pytest.raises(ModelError, match=said):

@@ -84,7 +84,7 @@ class TestPlane:
             space.add_lwpolyline(SQUARE, close=True)
             made = blocks_of(saved(tmp_path, document), unit=unit)
             assert np.ptp(made.blocks[0].vertices, axis=0) == pytest.approx([size, size])
-            assert ("by its own word" in "".join(made.notes)) == (number == 4 and unit == "m")
+            assert ("as given" in "".join(made.notes)) == (number == 4 and unit == "m")
         document, space = drawing(0)
         space.add_lwpolyline(SQUARE, close=True)
         with pytest.raises(ModelError, match="unit is missing"):

@@ -96,7 +96,7 @@ class TestModelFile:
         model = read(folder, text)
         assert {record.block for record in model.mended} == {n for n, _, _ in rounded}
         notes = "\n".join(model.notes)
-        assert 'import "wall.obj": 18 blocks had faces that stood twice: "r0b0"' in notes
+        assert 'import "wall.obj": 18 blocks had faces that were drawn twice: "r0b0"' in notes
         assert model.with_joint(friction_coefficient=0.8).mended == model.mended
 
     @pytest.mark.parametrize(
@@ -313,7 +313,7 @@ class TestConvert:
             len(marked)
             - 1
             - marked[::-1].index(
-                "# What no drawing says: put in your numbers and take the marks off."
+                "# A drawing does not say this: fill in your numbers and remove the marks."
             )
         )
         filled = [line.removeprefix("# ") if k > start else line for k, line in enumerate(marked)]

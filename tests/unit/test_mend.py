@@ -80,7 +80,7 @@ class TestOneSolid:
         turned = tuple(face[2:] + face[:2] for face in faces)
         (made,), records = one(vertices, faces + turned)
         assert len(made.faces) == 6
-        assert [(r.what, r.count) for r in records] == [("had faces that stood twice", 6)]
+        assert [(r.what, r.count) for r in records] == [("had faces that were drawn twice", 6)]
 
     def test_both_sides_of_every_face_are_one(self):
         vertices, faces = box((0, 0, 0), (1, 1, 1))

@@ -166,7 +166,9 @@ def _surfaces(
                 raise
             raise GeometryError(f"surface {k} of {len(meshes)}: {error}") from None
     if doubles:
-        records.append(Mended(block=one.name, what="had faces that stood twice", count=doubles))
+        records.append(
+            Mended(block=one.name, what="had faces that were drawn twice", count=doubles)
+        )
     return found
 
 
@@ -250,7 +252,7 @@ def _piece(surface: _Surface, tolerance: float, records: list[Mended]) -> _Piece
     within = max(ONE_FACE * tolerance * shortest_edge(mesh), ROUNDING * size)
     mesh, label, n_faces, n_vertices = united(mesh, plane_labels(mesh, within), within)
     note("had faces in one plane that were made one", n_faces)
-    note("had vertices amid edges or faces, which were left out", n_vertices)
+    note("had vertices within edges or faces, which were left out", n_vertices)
     off = zip(mesh.faces, unevenness(mesh).tolist(), strict=True)
     rough = [face for face, by in off if by > ROUNDING * size]
     uneven = max((off_plane(mesh.vertices[list(face)]) for face in rough), default=0.0)

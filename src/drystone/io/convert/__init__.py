@@ -76,7 +76,7 @@ def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
             return target
     known = ", ".join(f"{t.endings[0]} ({t.name})" for t in every.values())
     raise ModelError(
-        [f'{path}: its ending "{ending}" means no program: end it in {known}, or say --to']
+        [f'{path}: its ending "{ending}" belongs to no program: end it in {known}, or say --to']
     )
 
 
@@ -127,7 +127,9 @@ def _text(contents: bytes) -> str:
     try:
         return contents.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ModelError([f"is no file of ours (byte {error.start + 1} is not UTF-8)"]) from None
+        raise ModelError(
+            [f"is not a file that drystone wrote (byte {error.start + 1} is not UTF-8)"]
+        ) from None
 
 
 __all__ = ["PROGRAMS", "Target", "convert", "read", "target_of", "targets"]

@@ -63,9 +63,9 @@ def only_ours(program: str) -> Iterator[None]:
         SyntaxError,
     ) as error:
         what = printable(" ".join(f"{type(error).__name__}: {error}".split())[:120])
-        raise ModelError([f"this is no {program} file of ours ({what})"]) from None
+        raise ModelError([f"this {program} file is not one that drystone wrote ({what})"]) from None
     except (MemoryError, RecursionError):
-        raise ModelError([f"this is no {program} file of ours: it is nested too deeply"]) from None
+        raise ModelError([f"this {program} file is nested too deeply"]) from None
 
 
 def number(value: float) -> str:
@@ -147,7 +147,7 @@ def need_convex(assembly: Assembly, program: str) -> None:
         raise ModelError(
             [
                 f'block "{several[0]}"{f" and {len(several) - 1} more" * (len(several) > 1)}: '
-                f"{program} gets convex blocks alone, and this one is of several parts: leave it "
+                f"{program} has only convex blocks, and this one has several parts: leave it "
                 "out, or make its parts blocks of their own"
             ]
         )
@@ -158,16 +158,16 @@ def mass_direction(model: Model, program: str) -> Array:
     if model.load.name != "mass":
         raise ModelError(
             [
-                f'load.pattern: {program} gets the pattern "mass" alone, and this is '
+                f'load.pattern: a file for {program} has the pattern "mass", and this is '
                 f'"{model.load.name}": take an engine of drystone'
             ]
         )
     if model.dead_loads:
         raise ModelError(
-            [f"dead_load: {program} gets the blocks' weight alone: take an engine of drystone"]
+            [f"dead_load: a file for {program} has only the weight: use an engine of drystone"]
         )
     if model.ties:
-        raise ModelError([f"tie: {program} gets no ties and springs: take an engine of drystone"])
+        raise ModelError([f"tie: a file for {program} has no ties: use an engine of drystone"])
     return model.load_along
 
 

@@ -21,7 +21,7 @@ def write(kind: Format, model: Model) -> Written:
     notes = [GEOMETRY_ONLY]
     if model.assembly.dimension == 2 and not kind.in_plane:
         model = extruded(model)
-        notes.append("the plane model was made one of space, from y = 0 to its thickness")
+        notes.append("the plane model was extruded to solids, from y = 0 to its thickness")
     shapes, more = _shapes(model)
     notes += more
     supports = [shape.name for shape in shapes if shape.support]

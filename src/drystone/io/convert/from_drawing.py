@@ -30,7 +30,7 @@ TAKEN = (
     "control",
     "analysis",
 )
-WHAT = "# What no drawing says: put in your numbers and take the marks off.\n"
+WHAT = "# A drawing does not say this: fill in your numbers and remove the marks.\n"
 #: Tables that a model needs and no drawing has, as lines to fill in.
 TO_FILL = {
     "thickness": "thickness = 1.0  # m, out of plane",

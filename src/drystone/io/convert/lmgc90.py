@@ -172,7 +172,7 @@ def _literals(tree: ast.Module) -> dict[str, Any]:
     needed = ("BLOCKS", "AREAS" if "AREAS" in v else "LEG", "STRATEGY", "GRAVITY")
     missing = [key for key in needed if key not in v]
     if missing:
-        raise ModelError([f"this is no script of ours: it lacks {missing[0]}"])
+        raise ModelError([f"drystone did not write this script: it lacks {missing[0]}"])
     return v
 
 

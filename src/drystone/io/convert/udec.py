@@ -110,7 +110,7 @@ def write(model: Model, name: str = "") -> Written:
     """The model as a UDEC data file."""
     assembly = model.assembly
     if assembly.dimension == 3:
-        raise ModelError(["dimension: UDEC is of the plane: convert solids for 3dec or lmgc90"])
+        raise ModelError(["dimension: UDEC has only the plane: convert solids for 3dec or lmgc90"])
     need_stiffness(assembly, PROGRAM)
     need_convex(assembly, PROGRAM)
     rounding, notes = rounding_of(assembly)

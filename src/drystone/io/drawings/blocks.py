@@ -168,7 +168,7 @@ def _unit(settings: ImportSettings, drawing: Drawing, notes: list[str]) -> str:
             )
         return drawing.unit
     if drawing.unit is not None and drawing.unit != settings.unit:
-        notes.append(f"is in {drawing.unit} by its own word, and read in {settings.unit} as given")
+        notes.append(f"says {drawing.unit}, and was read in {settings.unit} as given")
     return settings.unit
 
 

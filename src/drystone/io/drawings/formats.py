@@ -32,7 +32,7 @@ def format_of(path: Path, name: str | None = None) -> Format:
             return one
     known = ", ".join(f"{one.endings[0]} ({one.name})" for one in formats)
     raise ModelError(
-        [f"the ending {quoted(path.suffix)} means no format: give one, or end it in {known}"]
+        [f"the ending {quoted(path.suffix)} belongs to no format: give one, or end it in {known}"]
     )
 
 

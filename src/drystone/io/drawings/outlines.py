@@ -60,7 +60,7 @@ def mended_outlines(
             )
         )
         changes = (
-            ("had vertices amid edges or faces, which were left out", 0.0, found.straight[i]),
+            ("had vertices within edges or faces, which were left out", 0.0, found.straight[i]),
             ("had vertices moved to close joints", found.way[i], 0),
             ("had edges bent to meet corners of neighbours", 0.0, found.bent[i]),
             ("had joints that could not be closed and stayed as drawn", 0.0, i in found.given_up),
@@ -107,7 +107,7 @@ def _outline(shape: Shape, tolerance: float, overlap: float, records: list[Mende
     vertices, crossed = _uncrossed(vertices, tolerance, overlap)
     for count, what in (
         (doubles + crossed, "had vertices so near to each other that they were made one"),
-        (straight, "had vertices amid edges or faces, which were left out"),
+        (straight, "had vertices within edges or faces, which were left out"),
         (turned, "had faces that ran clockwise and were turned round"),
     ):
         if count:
