@@ -142,6 +142,11 @@ class TestSaying:
         assert number(0.25) == "0.25"
 
 
+def spoken_in_italian(text):
+    with speaking("it"):
+        return spoken(text)
+
+
 class TestEnds:
     """Results keep why a curve ended as English text."""
 
@@ -168,8 +173,23 @@ class TestEnds:
     )
     def test_is_recognised(self, english, italian):
         assert said_end(english) == english
-        with speaking("it"):
-            assert spoken(said_end(english)) == italian
+        assert spoken_in_italian(said_end(english)) == italian
+
+    @pytest.mark.parametrize(
+        "end",
+        [
+            say("end.low_peak", peak=0.005, stop=0.01),
+            say("end.in_leg", leg="displacement 2 of 3", how=say("end.no_rest", n=4)),
+            say("end.control_moved", block="b1"),
+        ],
+    )
+    def test_is_recognised_whole(self, end):
+        assert end.in_language("it") != str(end)
+        assert spoken_in_italian(said_end(str(end))) == end.in_language("it")
+
+    def test_none_holds_the_mark_between_two(self):
+        ends = {key: text for key, text in catalogue.templates("en").items() if key[:4] == "end."}
+        assert [key for key, text in ends.items() if "; " in text] == ["end.and"]
 
     def test_else_it_stays(self):
         with speaking("it"):
