@@ -229,7 +229,7 @@ def test_sentences_name_place_and_mend(tmp_path, change, sentence):
     assert change[0] in PANEL
     found = problems(tmp_path, PANEL.replace(*change))
     if sentence is None:
-        found = [text for text in found if "three dimensions" in text]
+        found = [text for text in found if "models in space" in text]
         sentence = 'build[1]: kind = "dome" is for models in space only: set dimension = 3'
         text = "\n[[build]]\nkind = 'dome'\nspan = 2.0\nthickness = 0.2\nrings = 3\nsectors = 8\n"
         found = problems(tmp_path, text)

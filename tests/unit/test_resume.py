@@ -324,7 +324,7 @@ def test_an_engine_that_keeps_no_states_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(EquilibriumEngine, "capabilities", can)
     paused(tmp_path / "out")
     assert not (tmp_path / "out" / CHECKPOINT).exists()
-    assert "keeps no states" in refused(tmp_path / "out")
+    assert "stores no states" in refused(tmp_path / "out")
 
 
 def test_a_file_that_is_removed_while_it_runs(tmp_path):
