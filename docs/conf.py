@@ -20,10 +20,11 @@ extensions = [
     "sphinx.ext.napoleon",  # docstrings have sections as numpy's do
     "sphinx.ext.viewcode",
     "declared",  # ours: keys of model files and commands, as the program declares them
+    "gallery",  # ours: a picture of every example
 ]
 exclude_patterns = ["extensions", "images", "**/.*"]
 
-myst_enable_extensions = ["deflist", "colon_fence"]
+myst_enable_extensions = ["deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 4  # links to headings, as forges know them
 suppress_warnings = ["myst.header"]  # builders' tables and generated pages skip a level
 
@@ -39,3 +40,9 @@ html_title = "drystone"
 html_theme_options = {"source_directory": "docs/"}
 html_copy_source = False
 html_show_sphinx = False
+
+# `sphinx-build -b linkcheck docs build/links` asks for every address of the web (howto/release.md).
+linkcheck_timeout = 20  # s
+linkcheck_retries = 2
+linkcheck_rate_limit_timeout = 60  # s: a server that asks to wait longer is reported
+linkcheck_anchors = False  # pages that scripts write have their anchors in no file

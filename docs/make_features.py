@@ -25,12 +25,13 @@ STEPS = 3  # points after the first: enough for every part of a step to have bee
 
 HEAD = """# What works where
 
-This page is made by running `docs/make_features.py`. A small wall on a base is pushed for three
-steps with one feature at a time, or its base is moved. A dot means that the feature works. A
-number leads to the sentence of the refusal, below the table. A dot does not mean that the
-figures are right: for that see [verification](verification.md) and the pages about
-[loads](../explanation/loads.md), [ties](../explanation/ties.md), [support
-displacements](../explanation/settlements.md) and [joints](../explanation/joints.md).
+This page is written by `docs/make_features.py`. The script pushes a small wall on a base for
+three steps, or moves its base, with one feature at a time. A dot means that the feature works.
+A number leads to the message, below the table, with which drystone refuses the feature. A dot
+does not mean that the results are right. The accuracy is the subject of
+[verification](verification.md) and of the pages about [loads](../explanation/loads.md),
+[ties](../explanation/ties.md), [support displacements](../explanation/settlements.md) and
+[joints](../explanation/joints.md).
 """
 
 #: Blocks, by dimension.

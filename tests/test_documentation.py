@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from pydantic import ValidationError
@@ -149,15 +150,19 @@ def test_what_is_not_run_says_why():
             assert len(block.remark("not run") or "a reason") > 5, name_of(page)
 
 
+def extension(name: str) -> ModuleType:
+    """A module that the site is built with."""
+    file = ROOT / "docs" / "extensions" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 def options_of_commands() -> dict[str, set[str]]:
     """Options of each command, as the page of commands has them."""
-    spec = importlib.util.spec_from_file_location(
-        "declared", ROOT / "docs" / "extensions" / "declared.py"
-    )
-    declared = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(declared)
     found: dict[str, set[str]] = {}
-    for section in declared.commands_page().split("\n## drystone ")[1:]:
+    for section in extension("declared").commands_page().split("\n## drystone ")[1:]:
         found[section.split("\n")[0]] = {"--help", *re.findall(r"`(-[-a-z]+)`", section)}
     return found
 
@@ -174,6 +179,25 @@ def test_commands_within_sentences_and_tables_have_options_that_there_are():
                     assert asked in known[command], f"{name_of(page)}: drystone {command}{rest}"
         for script in re.findall(r"python ((?:benchmarks|docs|examples|tests)/\w+\.py)", text):
             assert (ROOT / script).is_file(), f"{name_of(page)}: {script}"
+
+
+def test_the_gallery_has_a_sentence_for_every_example():
+    pytest.importorskip("sphinx", reason="the gallery is written for it")
+    gallery = extension("gallery")
+    models = list((ROOT / "examples").rglob("*.toml"))
+    shown = re.findall(r"^```\{gallery\} (\S+)", read(ROOT / "docs" / "gallery.md"), re.MULTILINE)
+    assert {path.parent for path in models} == {ROOT / folder for folder in shown}
+    for path in models:
+        assert re.search(r"[\w)][.?]$", gallery.described(read(path))), path
+
+
+def test_the_gallery_draws_what_a_study_varies(tmp_path):
+    pytest.importorskip("sphinx", reason="the gallery is written for it")
+    study = ROOT / "examples" / "wall1_study.toml"
+    row = extension("gallery").row(study, tmp_path, ROOT / "docs", None)
+    assert "`drystone study examples/wall1_study.toml`" in row
+    assert "](../examples/wall1_study.toml)" in row
+    assert (tmp_path / "examples-wall1_study.png").stat().st_size > 1000
 
 
 def problems(text: str, dimension: int) -> list[str]:

@@ -8,6 +8,7 @@ import sys
 import tomllib
 from pathlib import Path
 from typing import get_args
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -114,11 +115,56 @@ def test_every_command_in_the_documentation_exists():
             assert set(used) <= known, page.name
 
 
+#: Texts with links: those of the site, and those that only a forge or a registry shows.
+LINKED = [*ROOT.glob("*.md"), *ROOT.glob("plugins/*/README.md"), *ROOT.glob("docs/**/*.md")]
+
+
 def test_links_lead_somewhere():
-    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
+    for page in LINKED:
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def addresses(text: str) -> list[str]:
+    """Addresses of the web that a text names, without the marks that end a sentence or a link."""
+    found = re.findall(r"https?:/[^\s<>\"'`\])]*", text)
+    return [address.rstrip(".,;:") for address in found]
+
+
+def well_formed(address: str) -> bool:
+    """Whether an address can lead somewhere: encrypted, to a host with a domain, without traces
+    of Markdown.  Whether it does lead somewhere takes a network (docs/howto/release.md)."""
+    parts = urlsplit(address)
+    host = re.fullmatch(r"[a-z0-9-]+(\.[a-z0-9-]+)*\.[a-z]{2,}", parts.netloc)
+    path = re.fullmatch(r"(/[\w.~%+@=-]+)*/?", parts.path)
+    return parts.scheme == "https" and host is not None and path is not None
+
+
+def test_addresses_of_the_web_are_well_formed():
+    files = [*LINKED, ROOT / "CITATION.cff", *ROOT.glob("**/pyproject.toml")]
+    found = {
+        (file.name, address)
+        for file in files
+        for address in addresses(file.read_text(encoding="utf-8"))
+    }
+    assert len(found) >= 3
+    assert not [one for one in found if not well_formed(one[1])]
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("[a](https://pypi.org/project/compas-dem/)", True),
+        ("see https://block.arch.ethz.ch/eq/drawing/view/17.", True),
+        ("[a](http://pypi.org/project/compas-dem/)", False),
+        ("[a](https:/pypi.org/project)", False),
+        ("[a](https://pypi/project)", False),
+        ("https://pypi.org//project", False),
+    ],
+)
+def test_a_wrong_address_is_found(text, same):
+    assert [well_formed(address) for address in addresses(text)] == [same]
 
 
 def test_every_key_of_the_model_file_is_documented():
@@ -161,9 +207,9 @@ def test_architecture_names_every_module():
         assert name in page, f"{name} is not in docs/explanation/architecture.md"
 
 
-def test_what_a_stranger_would_touch_is_there_and_is_little():
+def test_files_to_change_are_there_and_are_few():
     page = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
-    section = page.split("## A stranger's minute")[1].split("\n## ")[0]
+    section = page.split("## Where to change what")[1].split("\n## ")[0]
     rows = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| ")][1:]
     assert len(rows) > 10
     for change, files in rows:

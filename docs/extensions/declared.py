@@ -216,7 +216,8 @@ def commands_page() -> str:
         for own, annotation, info in found:
             text = " ".join((info.help or "").split()).replace("|", "\\|")
             if isinstance(info, ArgumentInfo):
-                lines.append(f"| {info.metavar or own.upper()} | {text} |")
+                named = (info.metavar or own.upper()).replace("|", "\\|")
+                lines.append(f"| {named} | {text} |")
             else:
                 lines.append(f"| {option(own, annotation, info)} | {text} |")
         lines.append("")

@@ -263,7 +263,7 @@ class TestAssessment:
 
         unseen = replace(verdict.capacity, losses=None)
         again = assess(unseen, dict(verdict.assessment.spectra), verdict.assessment.settings)
-        assert any("was not looked at" in note for note in again.assumptions)
+        assert any("was not examined" in note for note in again.assumptions)
 
 
 def said_of(block):

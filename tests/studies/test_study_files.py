@@ -58,7 +58,11 @@ def test_a_study_is_read(read):
         ("range = [0.4, 0.8]", "range = [0.8, 0.4]", "the first must be the lower"),
         ("range = [0.4, 0.8]", "", "has none of values, range and distribution"),
         ("range = [0.4, 0.8]", "values = [1.0]\n range = [0.4, 0.8]", "has values and range"),
-        ("range = [0.4, 0.8]", "range = [0.4, 0.8]\n mean = 1.0", "has mean, which is of a distr"),
+        (
+            "range = [0.4, 0.8]",
+            "range = [0.4, 0.8]\n mean = 1.0",
+            "has mean, which belongs to a",
+        ),
         ("range = [0.4, 0.8]", 'distribution = "normal"', 'did you mean "norm"'),
         ("range = [0.4, 0.8]", 'distribution = "norm"\n mean = 0.6', "one of mean and std"),
         ("range = [0.4, 0.8]", 'distribution = "gamma"', "needs a in shapes"),

@@ -138,7 +138,7 @@ def test_rows_that_are_no_part_of_the_verdict_have_no_yes_and_no_no(results):
 def test_readings_beside_that_of_the_code_are_marked(results):
     told = drystone("assess", results, *FLAGS).stdout
     (line,) = (line for line in told.splitlines() if "zeta_E by reading" in line)
-    own, beside = line.split("; beside, no readings of the code: ")
+    own, beside = line.split("; for comparison, not of the code: ")
     assert "base_shear" in own and "energy" in beside and "literal_ec8" in beside
     stored = json.loads((results / "assessment.json").read_text())["readings"]
     assert {name: found["of_the_code"] for name, found in stored.items()} == {
@@ -147,15 +147,15 @@ def test_readings_beside_that_of_the_code_are_marked(results):
         "literal_ec8": False,
     }
     told = drystone("assess", results, *FLAGS, "--reading", "energy").stdout
-    assert "base_shear (0." in told and "no readings of the code: energy" in told
+    assert "base_shear (0." in told and "for comparison, not of the code: energy" in told
 
 
 class TestOneSense:
-    SAID = "One sense was traced"
+    SAID = "Only one sense of the load was traced"
 
     def test_on_the_screen_and_first_among_the_assumptions(self, results):
         told = drystone("assess", results, *FLAGS).stdout
-        assert "senses             one, along the load: the other was not traced" in told
+        assert "senses             only one, along the load: the other was not traced" in told
         notes = [line for line in told.splitlines() if line.startswith("  note:")]
         assert notes[0].startswith(f"  note: {self.SAID}, along the load:")
 
@@ -169,7 +169,7 @@ class TestOneSense:
         cut(other, 10)
         told = drystone("assess", results, *FLAGS).stdout
         notes = [line for line in told.splitlines() if line.startswith("  note:")]
-        assert notes[0].startswith("  note: One sense has a verdict, along the load:")
+        assert notes[0].startswith("  note: Only one sense of the load has a verdict, along")
         assert "against the load there is no verdict" in notes[0]
 
     def test_in_python_and_in_a_report_of_a_run(self, results):
@@ -203,7 +203,7 @@ class TestHazard:
         found = json.loads(drystone("assess", results, *FLAGS, *self.LIFE, *own, "--json").stdout)
         given = [motion["ground_acceleration"] for motion in found["hazard"]]
         assert given == pytest.approx([0.07 * 9.81, 0.172 * 9.81, 0.22 * 9.81])
-        assert not any("gives no ground motion" in said for said in found["assumptions"])
+        assert not any("has no ground motion" in said for said in found["assumptions"])
 
     def test_a_motion_of_another_return_period_is_not_that_of_the_state(self, results):
         other = (*self.LIFE, "--set", "site.return_period=100")
@@ -325,7 +325,7 @@ def test_results_of_somebody_else_read_no_file_of_mine(made, tmp_path, monkeypat
             file.attrs["model_folder"] = str(tmp_path)
         for more in ((), ("--set", "site.damping=4.0")):
             result = drystone("assess", out, *more)
-            assert result.exit_code == 2 and "is not held by these results" in result.stderr
+            assert result.exit_code == 2 and "is not stored in these results" in result.stderr
     with h5py.File(out / "results.h5", "r+") as file:
         file.attrs["model"] = given + '[control]\nhistory = "history.txt"\n'
     assert ds.load_results(out).model is None

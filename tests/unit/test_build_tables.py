@@ -199,7 +199,7 @@ def test_rotations_in_space_are_about_fixed_axes_in_order():
         ),
         (
             ("length = 1.2", "length = 1.2\nspan = 2.0"),
-            'build[1]: has span, which is not of kind = "panel": take it out',
+            'build[1]: has span, which does not belong to kind = "panel": take it out',
         ),
         (
             ("height = 0.4", "height = 0.5"),
@@ -208,7 +208,7 @@ def test_rotations_in_space_are_about_fixed_axes_in_order():
         ),
         (
             ("base = true", "thickness = 0.3"),
-            "build[1].thickness: is of three dimensions: take it out, or set dimension = 3",
+            "build[1].thickness: is for models in space only: take it out, or set dimension = 3",
         ),
         (
             ("base = true", 'material = "brick"'),
@@ -230,7 +230,7 @@ def test_sentences_name_place_and_mend(tmp_path, change, sentence):
     found = problems(tmp_path, PANEL.replace(*change))
     if sentence is None:
         found = [text for text in found if "three dimensions" in text]
-        sentence = 'build[1]: kind = "dome" is of three dimensions: set dimension = 3'
+        sentence = 'build[1]: kind = "dome" is for models in space only: set dimension = 3'
         text = "\n[[build]]\nkind = 'dome'\nspan = 2.0\nthickness = 0.2\nrings = 3\nsectors = 8\n"
         found = problems(tmp_path, text)
     assert any(text.startswith(sentence) for text in found), found

@@ -18,7 +18,7 @@ def test_an_extruded_wall_weighs_and_reaches_as_much():
 
 
 def test_only_plane_models_are_extruded():
-    with pytest.raises(ValueError, match="one of space already"):
+    with pytest.raises(ValueError, match="already in space"):
         ds.extruded(ds.extruded(ds.published_wall(1)))
 
 

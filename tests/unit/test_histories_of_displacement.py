@@ -61,7 +61,7 @@ def test_a_list_amplitudes_and_a_file(tmp_path):
         ("amplitudes = [-0.01]", "control.amplitudes[1]: must be a positive number"),
         ("amplitudes = [0.01]\ncycles = 0", "control.cycles: must be a whole number"),
         ("amplitudes = [0.01]\ncycles = 1000000", "control.cycles: has 2,000,000 displacements"),
-        ("cycles = 3", "control.cycles: is of amplitudes"),
+        ("cycles = 3", "control.cycles: needs amplitudes"),
         ("history = [0.01]\namplitudes = [0.01]", "has both history and amplitudes"),
         ('history = "none.txt"', "there is no such file"),
         ('history = "/etc/hostname"', "outside of the model file's folder"),

@@ -126,7 +126,7 @@ class TestFiles:
         ("changes", "more", "said"),
         [
             ([("[1.0, 0.0]", "[1.0, 0.5]"), ('"mass"', '"tilt"')], "", "acts sideways"),
-            ([], 'base = 1.0\n', 'has base, which is of pattern = "triangular"'),
+            ([], 'base = 1.0\n', 'has base, which belongs to pattern = "triangular"'),
             ([('"mass"', '"triangular"')], "base = 9.0\n", "load.base: all blocks lie below it"),
             ([("direction = [1.0, 0.0]\n", ""), ('"mass"', '"forces"')], "", "load.force: is miss"),
             ([], dead(kind="force", block="high", force=[0, -1.0]), "mass is missing"),

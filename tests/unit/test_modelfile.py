@@ -299,7 +299,7 @@ class TestBrokenKeys:
         [
             # dimension, thickness
             ("dimension = 2\n", "", "dimension is missing: add it (dimension = 2, or 3)"),
-            ("dimension = 2", "dimension = 3", "thickness: is of two dimensions: take it out"),
+            ("dimension = 2", "dimension = 3", "thickness: is for models in the plane only"),
             ("dimension = 2", "dimension = 4", "dimension: must be 2 or 3, it is 4"),
             ("dimension = 2", 'dimension = "2"', "dimension: must be 2 or 3, it is the text"),
             ("thickness = 1.0\n", "", "thickness is missing"),
@@ -371,7 +371,7 @@ class TestBrokenKeys:
             ("[load]", "[loads]", 'unknown key "loads": did you mean "load"?'),
             ('pattern = "mass"\n', "", "load: pattern is missing"),
             ('"mass"', '"masses"', 'load.pattern: must not be "masses": did you mean "mass"?'),
-            ('"mass"', '"forces"', 'load: has direction, which is not of pattern = "forces"'),
+            ('"mass"', '"forces"', 'load: has direction, which does not belong to pattern'),
             ("direction = [1.0, 0.0]\n", "", "load: direction is missing"),
             ("[1.0, 0.0]\n\n[control]", "[0.0, 0.0]\n\n[control]", "load.direction: has no length"),
             ("[1.0, 0.0]\n\n[control]", "[0, 0, 1]\n\n[control]", "load.direction: must have 2"),

@@ -278,16 +278,16 @@ class TestWhatIsWrong:
             ('"top"', '"top right"', 'control.point: there is no point "top right": did you'),
             ('"top"', "[0, 0]", 'control.point: must be [x, y, z] in metres, or one of "top"'),
             ("dimension = 3", "dimension = [3]", "dimension: must be 2 or 3, it is a list of 1"),
-            ("dimension = 3", "dimension = 3\nthickness = 1.0", "thickness: is of two dimensions"),
+            ("dimension = 3", "dimension = 3\nthickness = 1.0", "thickness: is for models in"),
             (
                 "dimension = 3",
                 "dimension = 2\nthickness = 1.0",
-                'block[2] "b1" box: is of three dimensions: take it out, or set dimension = 3',
+                'block[2] "b1" box: is for models in space only: take it out, or set dimension = 3',
             ),
             (
                 "[load]",
                 '[wall]\nunit = [0.4, 0.2]\ncourses = ["1"]\n[load]',
-                "wall: is of two dimensions",
+                "wall: is for models in the plane only",
             ),
             ("[[0, 0, 0], [0.4", "[[0, 0, -0.1], [0.4", "overlap by 100 mm"),
             ("[[0, 0, 0], [0.4", "[[0, 0, 0.1], [0.4", "touches no other block"),
@@ -316,7 +316,7 @@ class TestWhatIsWrong:
     def test_in_python(self):
         vertices, faces = box([[0, 0, 0], [1, 1, 1]])
         block = Block(id="a", vertices=vertices, faces=faces, unit_weight=1e4, support=True)
-        with pytest.raises(ModelError, match="thickness: is of two dimensions"):
+        with pytest.raises(ModelError, match="thickness: is for models in the plane only"):
             make_model([block], joint=LAW, thickness=1.0, load_direction=(1, 0, 0))
         with pytest.raises(ModelError, match=r"load.direction: must be three finite numbers"):
             make_model([block], joint=LAW, load_direction=(1, 0))

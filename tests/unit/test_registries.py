@@ -515,7 +515,7 @@ def test_a_wall_is_run_by_an_engine(add, wall, tmp_path):
         (BUILDER, "stones = 2", "stones = 21", "build[1].stones: must be at most 20, it is 21"),
         (BUILDER, "lean = ", "leen = ", 'build[1]: unknown key "leen": did you mean "lean"?'),
         (BUILDER, '"leaning_pile"', '"leaning_pil"', 'did you mean "leaning_pile"?'),
-        (BUILDER, "base = true", "depth = 0.5", "build[1].depth: is of three dimensions"),
+        (BUILDER, "base = true", "depth = 0.5", "build[1].depth: is for models in space only"),
         (METHOD, "= 50.0", "= 500.0", "assessment.safe_share: must be at most 100"),
         (METHOD, "safe_share", "safe_shares", 'did you mean "safe_share"?'),
         (METHOD, "safe_share = 50.0", 'limit_states = ["hold"]', 'did you mean "held"?'),

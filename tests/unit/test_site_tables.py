@@ -168,7 +168,7 @@ class TestSpectra:
         assert found["DL"] == pytest.approx((225 / 475) ** (1 / 3))
         assert found["SD"] == found["SLV"] == found[""] == pytest.approx(1.0)
         assert found["NC"] == pytest.approx((2475 / 475) ** (1 / 3))
-        assert "DL is looked at under the ground motion of 225 years" in spectra["DL"].notes[0]
+        assert "DL is judged under the ground motion of 225 years" in spectra["DL"].notes[0]
 
     def test_tables_and_return_periods_go_before_those_of_eurocode(self):
         values = {"ag": 0.1, "type": 1, "ground": "B", "importance": "II"}

@@ -83,8 +83,8 @@ def test_a_run_removes_what_it_will_not_write(models, before):
     assert drystone("run", models / "leaning.toml", "--out", before).exit_code == 0
     verdict = drystone("assess", before)
     assert verdict.exit_code == 0, verdict.output
-    assert "one, along the load: the other was not traced" in verdict.output
-    assert "note: One sense was traced, along the load" in verdict.output
+    assert "only one, along the load: the other was not traced" in verdict.output
+    assert "note: Only one sense of the load was traced, along the load" in verdict.output
 
 
 def test_the_other_sense_of_another_model_is_refused(models, before, tmp_path):

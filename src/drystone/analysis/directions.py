@@ -58,15 +58,16 @@ def polar(
     Parameters
     ----------
     model
-        Its load leads along the first direction; control point and direction go with it.
+        Its load is the first direction. The control point and its direction follow the load.
     n
-        How many directions, evenly around; in the plane 2, both senses.  Or angles [degrees].
+        Number of directions, at equal angles; in the plane 2, both senses. Or a list of angles
+        [degrees].
     engine, strategy, options
         As of `pushover`; the engine by its name.
     processes
-        At a time, by default one a processor; each takes one thread.
+        Number of processes at a time, by default one for each processor; each has one thread.
     progress
-        Whether a bar counts the directions, by default where somebody watches.
+        Whether a bar counts the directions; by default on a terminal and in a notebook.
 
     Raises
     ------

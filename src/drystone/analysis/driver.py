@@ -143,28 +143,30 @@ def pushover(
     Parameters
     ----------
     model
-        What to analyse; its ``analysis`` gives what is left out here.  A control point that nobody
-        has named, and that is no part of the first collapse, is put where the mechanism of limit
-        analysis moves, if it moves elsewhere alone: the curve is traced once more, and its
-        `reason` and `control_point` say so.  With a recorder or an engine of one's own it stays.
+        The model; its ``analysis`` gives the settings that are left out here. If the model does not
+        name a control point, and the default one takes no part in the first collapse, the control
+        point is moved to the part that moves in the mechanism of limit analysis. The curve is then
+        traced once more, and its `reason` and `control_point` say so. With a recorder, or with an
+        engine of your own, the control point stays.
     engine
         Name of an engine, or one of your own (see `engines.base.Engine`).
     strategy
         "displacement" (no bias) or "published".
     recorder
-        Is told every point as it comes.
+        Gets every point as soon as it is found.
     progress
-        Likewise; or whether a bar shows it, by default where somebody watches: on a terminal and
-        in a notebook.
+        Likewise; or whether a bar shows the progress. By default it does on a terminal and in a
+        notebook.
     keep_poses, keep_contacts
-        Keep poses and contact forces of every point in the result.  By default they are kept of
-        up to `MOST_KEPT` blocks, where no recorder has them.
+        Keep poses and contact forces of every point in the result. By default they are kept for up
+        to `MOST_KEPT` blocks, unless a recorder stores them.
     threads
-        Most that share the work of an engine, by default one a processor; curves are the same.
+        Largest number of threads that share the work of an engine, by default one for each
+        processor. The curve does not depend on it.
     default_falling
-        What is done where a part collapses and the model does not say: see `Analysis.falling`.
+        What happens when a part collapses, if the model does not say: see `Analysis.falling`.
     options
-        Keys of [analysis] by name, over those of the model: see `control`.
+        Keys of [analysis] by name, which replace those of the model: see `control`.
 
     Raises
     ------

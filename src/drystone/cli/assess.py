@@ -47,10 +47,10 @@ def _number(name: str, what: str) -> Any:
 # Many: the keys of two tables of the model file, each an option.
 def assess(
     source: Source,
-    method: Annotated[str | None, _text("--method", "Method, as ntc2018-local.")] = None,
+    method: Annotated[str | None, _text("--method", "Method, for instance ntc2018-local.")] = None,
     reading: Annotated[str | None, _text("--reading", "base_shear, energy or literal_ec8.")] = None,
     grouping: Annotated[
-        str | None, _text("--grouping", "What is one body: macro_blocks or blocks.")
+        str | None, _text("--grouping", "Bodies of the mechanism: macro_blocks or blocks.")
     ] = None,
     confidence_factor: Annotated[
         float | None, _number("--confidence-factor", "Confidence factor FC.")
@@ -72,13 +72,14 @@ def assess(
         Path | None, _text("--spectrum", "csv: table with the header T,Se.", "FILE")
     ] = None,
     unit: Annotated[str | None, _text("--unit", "csv: g or m/s2.")] = None,
-    damping: Annotated[float | None, _number("--damping", "csv: of the table [%].")] = None,
+    damping: Annotated[float | None, _number("--damping", "csv: damping of the table [%].")] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Any key of [site] or [assessment], as site.SLD.ag=0.07; may be repeated.",
+            help="Any key of [site] or [assessment], for instance site.SLD.ag=0.07; may be "
+            "repeated.",
             show_default=False,
         ),
     ] = None,
@@ -88,19 +89,19 @@ def assess(
     ] = None,
     language: Annotated[
         Language | None,
-        typer.Option("--language", help="Of sentences and pictures.", show_default=False),
+        typer.Option("--language", help="Language of sentences and pictures.", show_default=False),
     ] = None,
     engine: Annotated[
-        str | None, _text("--engine", "Of a MODEL: engine. [default: what the model says]")
+        str | None, _text("--engine", "For a MODEL: engine. [default: what the model says]")
     ] = None,
     resume: Annotated[
         bool,
         typer.Option(
-            "--resume", help="Of a MODEL: go on with both senses as far as the folder has them."
+            "--resume", help="For a MODEL: continue both senses from what the folder holds."
         ),
     ] = False,
     one_sense: Annotated[
-        bool, typer.Option("--one-sense", help="Of a MODEL: do not trace the opposite sense.")
+        bool, typer.Option("--one-sense", help="For a MODEL: do not push in the opposite sense.")
     ] = False,
     out: Annotated[
         Path | None,
@@ -117,9 +118,9 @@ def assess(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Limit states and verdict from a curve, by the model's [site] and [assessment].
+    """Compute limit states and a verdict from a curve, by the model's [site] and [assessment].
 
-    A MODEL is traced first, along its load and against it: the worse sense governs.
+    A MODEL is pushed first, along its load and against it. The worse sense governs.
     """
     given = {
         "site": {

@@ -68,7 +68,7 @@ Reference = Annotated[
         metavar="DIR",
         exists=True,
         file_okay=False,
-        help="Folder with recorded curves wallN_*.csv to draw beside ours.",
+        help="Folder with recorded curves wallN_*.csv, which are drawn for comparison.",
         show_default=False,
     ),
 ]
@@ -85,7 +85,8 @@ class Which(StrEnum):
 Chosen = Annotated[
     Which,
     typer.Argument(
-        metavar="[published|laboratory]", help="Walls of the paper, or tests of laboratories."
+        metavar="[published|laboratory]",
+        help="The walls of the paper, or walls tested in laboratories.",
     ),
 ]
 
@@ -105,7 +106,7 @@ def benchmark(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Analyse the published walls, or walls that laboratories have tested; print their table."""
+    """Analyse the published walls, or walls tested in laboratories, and print a table."""
     begun = False
     if which is Which.laboratory:
         with outcome(as_json=as_json):

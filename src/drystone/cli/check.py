@@ -29,10 +29,10 @@ def check(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Say what a model file holds, or what is wrong with it.
+    """List what a model file holds, or what is wrong with it.
 
-    Warnings, on what is hardly meant or cannot stand, leave the exit status at 0. Of a drawing, and
-    of a file without supports, materials, joints or load yet, the blocks are told.
+    Warnings, on what is probably not intended or cannot stand, leave the exit status at 0. For a
+    drawing, or a file without supports, materials, joints or load, the blocks are listed.
     """
     with outcome(as_json=as_json):
         from drystone.cli.sketches import block_lines, block_rows, model_or_sketch

@@ -37,7 +37,8 @@ def convert(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="model, a program as udec, or a format of drawings as dxf; ? lists them. "
+            help="model, a program such as udec, or a format of drawings such as dxf; ? lists "
+            "them. "
             "[default: by OUT's ending]",
             show_default=False,
         ),
@@ -47,53 +48,60 @@ def convert(
         typer.Option(
             "--from",
             metavar="NAME",
-            help="model, a program as udec, or a format of drawings as dxf; ? lists them. "
+            help="model, a program such as udec, or a format of drawings such as dxf; ? lists "
+            "them. "
             "[default: by IN's ending]",
             show_default=False,
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(help="Of a drawing: m, cm, mm, in or ft.", show_default=False)
+        str | None,
+        typer.Option(help="Unit of the drawing: m, cm, mm, in or ft.", show_default=False),
     ] = None,
     up: Annotated[
-        str | None, typer.Option(help="Axis that points up in it: z or y.", show_default=False)
+        str | None,
+        typer.Option(help="Axis that points up in the drawing: z or y.", show_default=False),
     ] = None,
     support: Annotated[
         list[str] | None,
-        typer.Option(help="Supports in it: ids, groups or layers.", show_default=False),
+        typer.Option(help="Supports in the drawing: ids, groups or layers.", show_default=False),
     ] = None,
     support_below: Annotated[
         float | None,
-        typer.Option(help="Blocks that reach below this height [m] are.", show_default=False),
+        typer.Option(
+            help="Blocks that reach below this height [m] are supports.", show_default=False
+        ),
     ] = None,
     material: Annotated[
         str | None,
-        typer.Option(help="Of what has no layer with its name.", show_default=False),
+        typer.Option(help="Material of blocks whose layer does not name one.", show_default=False),
     ] = None,
     tolerance: Annotated[
         float | None,
         typer.Option(
-            help="Largest motion of a vertex, over its block's shortest edge, in the plane its "
-            "least width. [default: 0.02]",
+            help="Largest motion of a vertex, over the shortest edge of its block (in the plane "
+            "over its least width). [default: 0.02]",
             show_default=False,
         ),
     ] = None,
     bent_faces: Annotated[
         str | None,
         typer.Option(
-            help="How faces of it that are not flat are cut: fans or bends. [default: fans]",
+            help="How faces that are not flat are cut: fans or bends. [default: fans]",
             show_default=False,
         ),
     ] = None,
     overlap: Annotated[
         float | None,
-        typer.Option(help="Overlaps up to which [m] are closed. [default: 0]", show_default=False),
+        typer.Option(
+            help="Depth [m] up to which overlaps are closed. [default: 0]", show_default=False
+        ),
     ] = None,
     like: Annotated[
         Path | None,
         typer.Option(
             metavar="MODEL",
-            help="Model file that materials, joints, load and analysis are taken from.",
+            help="Model file from which materials, joints, load and analysis are taken.",
             show_default=False,
         ),
     ] = None,

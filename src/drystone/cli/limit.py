@@ -47,14 +47,25 @@ Paths = Annotated[
     ),
 ]
 Alpha = Annotated[
-    float, typer.Option(min=0.0, max=0.99, help="Slope left to a joint, over its friction.")
+    float,
+    typer.Option(
+        min=0.0,
+        max=0.99,
+        help="Slope of the strength that a joint keeps, over its friction coefficient.",
+    ),
 ]
-Beta = Annotated[float, typer.Option(min=0.01, max=1.0, help="Weight of the newest normal forces.")]
+Beta = Annotated[
+    float,
+    typer.Option(
+        min=0.01, max=1.0, help="Weight of the newest normal forces in the next strength."
+    ),
+]
 Folder = Annotated[
     Path | None,
     typer.Option(
         metavar="DIR",
-        help="Folder for limit.json and the mechanism's picture. [default: none is written]",
+        help="Folder for limit.json and the picture of the mechanism. [default: they are not "
+        "written]",
         show_default=False,
     ),
 ]

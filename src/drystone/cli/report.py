@@ -21,25 +21,27 @@ def report(
     language: Annotated[
         Language | None,
         typer.Option(
-            "--language", help="Of the report. [default: what the model says]", show_default=False
+            "--language",
+            help="Language of the report. [default: what the model says]",
+            show_default=False,
         ),
     ] = None,
     files: Annotated[
         bool,
         typer.Option(
             "--files",
-            help="Write also tables, summary, pictures and the series for ParaView, as at the end "
-            "of a run: one that was killed has not.",
+            help="Also write tables, summary, pictures and the series for ParaView, which a run "
+            "that was killed does not have.",
         ),
     ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write the report to hand over: model, curve, certificate, mechanism, assessment, viewer.
+    """Write a report: model, curve, certificate, mechanism, assessment, viewer.
 
-    One page that needs no network and prints on A4.  The assessment is that of the folder's
-    assessment.json, or is made where the model asks for one.  Folders of runs that go on, or that
-    were killed, are reported as far as they reach.
+    The report is one page that needs no network and prints on A4.  Its assessment is that of the
+    folder's assessment.json.  If there is none, it is made if the model asks for one.  For a run
+    that still goes on, or that was killed, the report covers the points so far.
     """
     with outcome(as_json=as_json):
         from drystone.io.results.folder import check_apart, check_place, in_a_sentence

@@ -52,7 +52,8 @@ Threads = Annotated[
     typer.Option(
         metavar="N",
         min=1,
-        help="Threads that share the work; the results are the same. [default: one a processor]",
+        help="Threads that share the work; the results do not depend on it. [default: one for "
+        "each processor]",
         show_default=False,
     ),
 ]
@@ -77,8 +78,8 @@ Directions = Annotated[
     str | None,
     typer.Option(
         metavar="both|N",
-        help="Push in both senses, or in N directions around, a folder each; as many at a time as "
-        "--threads says.",
+        help="Push in both senses, or in N directions all around, with a folder for each. "
+        "--threads is the number of directions that run at a time.",
         show_default=False,
     ),
 ]
@@ -89,8 +90,8 @@ Resumed = Annotated[
     typer.Option(
         "--resume",
         metavar="DIR",
-        help="Go on with the run of this folder of results, from the last state that was kept: the "
-        "curve is that of a run that never stopped. MODEL may be left out.",
+        help="Continue the run of this folder of results from the last state that was stored. "
+        "The curve is that of a run that never stopped. MODEL may be left out.",
         show_default=False,
     ),
 ]
@@ -99,9 +100,9 @@ Extended = Annotated[
     typer.Option(
         "--extend",
         metavar="KEY=VALUE",
-        help="With --resume: go on to another end, such as stop_multiplier=0.005 or "
-        "max_displacement=0.3, or settlement=0.05 of supports that move; VALUE none takes an end "
-        "out. May be repeated.",
+        help="With --resume: continue to another end, such as stop_multiplier=0.005, "
+        "max_displacement=0.3, or settlement=0.05 for supports that move. The VALUE none "
+        "removes an end. May be repeated.",
         show_default=False,
     ),
 ]

@@ -33,8 +33,8 @@ def show(
 ) -> None:
     """Draw a model: blocks, supports, load, control point, and the joints found with their areas.
 
-    Faces that lie near each other without a joint are red. Of a drawing, and of a file that is no
-    model yet, the blocks are drawn, in red where they overlap.
+    Faces that lie near each other without a joint are red. For a drawing, or a file that is not a
+    complete model, the blocks are drawn, in red where they overlap.
     """
     with outcome(as_json=as_json):
         from drystone.cli.sketches import lacking, model_or_sketch, refused
@@ -49,7 +49,7 @@ def show(
         check_apart(model_file, [path])
         page = path.suffix.lower() == PAGE
         if names and page:
-            raise ModelError(["--names: is of pictures, the page tells names itself"])
+            raise ModelError(["--names: is for pictures; the page shows names by itself"])
         model, wrong = model_or_sketch(model_file)
         missing: list[str] = []
         if isinstance(model, Sketch):

@@ -29,7 +29,7 @@ Workers = Annotated[
     typer.Option(
         metavar="N",
         min=1,
-        help="Processes that share the samples. [default: one a processor]",
+        help="Processes that share the samples. [default: one for each processor]",
         show_default=False,
     ),
 ]
@@ -37,11 +37,13 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Dask scheduler whose workers compute, as tcp://host:8786.",
+        help="Dask scheduler whose workers compute the samples, for instance tcp://host:8786.",
         show_default=False,
     ),
 ]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with what DIR holds of this study.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Continue the study from the samples that DIR holds.")
+]
 Sample = Annotated[
     int | None,
     typer.Option(
@@ -58,7 +60,7 @@ OtherModel = Annotated[
     typer.Option(
         "--model",
         metavar="FILE",
-        help="Model file, from anywhere, in place of that which STUDY names.",
+        help="Model file, from anywhere, instead of the one that STUDY names.",
         show_default=False,
     ),
 ]
@@ -67,7 +69,7 @@ OtherFunction = Annotated[
     typer.Option(
         "--function",
         metavar="MODULE:NAME",
-        help="Function, from where Python looks, in place of that which STUDY names.",
+        help="Function, from Python's search path, instead of the one that STUDY names.",
         show_default=False,
     ),
 ]
@@ -86,7 +88,7 @@ def study(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Trace many curves of one model with varied parameters, and say what they show together."""
+    """Trace many curves of one model with varied parameters, and evaluate them together."""
     begun = False
     with outcome(as_json=as_json, begun=lambda: begun):
         from drystone.io.results.folder import check_writable

@@ -10,13 +10,15 @@ import typer
 from drystone.cli.options import AsJson, Quiet
 from drystone.cli.outcome import DONE, emit, outcome, tell
 
-All = Annotated[bool, typer.Option("--all", help="All cases; else those of the quick set.")]
+All = Annotated[
+    bool, typer.Option("--all", help="Compute all cases, not only those of the quick set.")
+]
 Page = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
         dir_okay=False,
-        help="Write the table as a page in Markdown, too.",
+        help="Also write the table as a page in Markdown.",
         show_default=False,
     ),
 ]
@@ -28,10 +30,10 @@ BEYOND = 1
 def verify(
     everything: All = False, out: Page = None, as_json: AsJson = False, quiet: Quiet = False
 ) -> None:
-    """Compute cases that are known otherwise, and print expected and computed values.
+    """Compute cases with a known answer, and print expected and computed values.
 
-    Each case has a bound of its error. The exit status is 1 where one is beyond its bound, and
-    that is not known with its cause.
+    Each case has a bound of its error. The exit status is 1 if a case exceeds its bound and the
+    cause of this is not known.
     """
     with outcome(as_json=as_json):
         from drystone.common.version import package_version

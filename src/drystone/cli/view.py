@@ -34,9 +34,9 @@ def view(
 ) -> None:
     """Write the viewer: one page that shows blocks, joints and forces at every point of the curve.
 
-    It holds everything that it needs, and opens by a double click.  Folders of runs that go on,
-    or that were killed, are shown as far as they reach.  A FILE that ends in .gif or .mp4 becomes
-    an animation for slides in place of a page.
+    The page needs no other file, and opens by a double click.  For a run that still goes on, or
+    that was killed, it shows the points so far.  If FILE ends in .gif or .mp4, an animation for
+    slides is written instead.
     """
     with outcome(as_json=as_json):
         from drystone.io.results.folder import OutputError, check_apart, check_place, in_a_sentence

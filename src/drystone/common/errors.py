@@ -11,7 +11,7 @@ MAX_LISTED = 10
 class ModelError(Exception):
     """A model that cannot be analysed.
 
-    `problems` holds one sentence each: the place, what is wrong there, and the mend.
+    `problems` holds a sentence for each: the place, what is wrong there, and how to correct it.
     ``str(error)`` lists the first ten of them, one a line.
     """
 

@@ -55,8 +55,8 @@ MOST_NAMES = 8
 class Collapse:
     """Result of limit analysis.
 
-    ``status`` is "finished", "bracketed" (no collapse state was found; those that there are lie
-    within ``collapse_range``), "unstable" (the structure does not stand under its own weight),
+    ``status`` is "finished", "bracketed" (no collapse state was found, but all states lie within
+    ``collapse_range``), "unstable" (the structure does not stand under its own weight),
     "locked" (no multiple of the load brings it down) or "failed"; ``reason`` says it in a
     sentence.
     """
@@ -132,10 +132,11 @@ def collapse_load(
     Parameters
     ----------
     model
-        Joint stiffnesses are not needed.
+        Its joints need no stiffness.
     flow
         "non-associative": joints slide with their own dilatancy angle, usually 0.
-        "associative": with one that equals the friction angle, an upper bound to the former.
+        "associative": joints slide with a dilatancy angle that equals the friction angle, which
+        gives an upper bound.
     settings
         Of the non-associative scheme.  By default eight paths, and one from 200 blocks on, in
         space from 50, where a path takes seconds.

@@ -40,7 +40,8 @@ _OfGroups = tuple[BoolArray, BoolArray, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Corner:
-    """How the corners of every block are treated for contact (never for its mass)."""
+    """Treatment of the corners of every block for contact. The mass of a block does not depend
+    on it."""
 
     radius: float | None = None  # m, rounded
     chamfer: float | None = None  # m, cut off at 45 degrees in a right corner
@@ -76,8 +77,8 @@ def _restrained(blocks: Sequence[Block], dimension: Dimension) -> NDArray[np.boo
 class Block:
     """One block as designed: a shape of one material, movable or a support.
 
-    A concave one is cut into convex parts that move as one; or these are given, and `vertices` are
-    those of all parts, one after the other.
+    A concave block is cut into convex parts that move as one. If the parts are given, `vertices`
+    are those of all parts, one after the other.
     """
 
     id: str
@@ -376,10 +377,9 @@ class Assembly:
         return motion.difference(pose, before, self.axes)
 
     def law_index(self, a: IntArray, b: IntArray) -> IntArray:
-        """Index into `laws` of the joint between blocks ``a[k]`` and ``b[k]``.
+        """Index into `laws` of the joint between the blocks ``a[k]`` and ``b[k]``.
 
-        A pair named by two block ids goes before one with a group in it, and that before one named
-        by two materials.
+        A pair of two block ids overrides a pair with a group, which overrides a pair of materials.
         """
         if not self.joint_between:
             return np.zeros(len(a), dtype=np.int64)

@@ -50,8 +50,8 @@ def _sound(value: Any, positive: bool) -> bool:
 class JointLaw:
     """No-tension elastic joint with Coulomb friction, stiffnesses per area of joint.
 
-    Raises `ModelError` where a value has a sign that none can have, or is no number; what values
-    may be beside each other is looked at where a model is put together.
+    Raises `ModelError` if a value has an impossible sign or is not a number. Which values may be
+    combined is checked when a model is made.
     """
 
     #: Tangent of the friction angle.

@@ -30,7 +30,7 @@ REMOVE, STOP = "remove", "stop"
 
 @dataclass(frozen=True, kw_only=True)
 class Analysis:
-    """What the file asks for.
+    """Settings of the analysis, as in the file.
 
     ``options`` are the numerical settings of strategy and engine, by name.
     """
@@ -63,8 +63,9 @@ class Origin:
 class Model:
     """Assembly, load, control point and analysis, with where they came from.
 
-    A model never changes.  The methods ``with_...`` give a new one, checked like the first, in
-    which everything derived follows; so does `dataclasses.replace`, without the checks.
+    A model never changes. The methods ``with_...`` return a new model, which is checked like the
+    first, and in which all derived data are updated. `dataclasses.replace` does the same without
+    the checks.
     """
 
     title: str
@@ -115,12 +116,12 @@ class Model:
 
     @property
     def load_shown(self) -> Array | None:
-        """The same for pictures; None where supports move instead."""
+        """Direction of the load for pictures; None if supports move instead."""
         return None if self.settlement is not None else self.load_along
 
     @property
     def parts_that_may_fall(self) -> frozenset[str]:
-        """Ids of the blocks whose fall is no limit, as [assessment] says: by id or by group."""
+        """Ids of the blocks whose fall does not limit the structure, by [assessment]."""
         values = {} if self.assessment is None else self.assessment.values
         names = values.get("parts_that_may_fall", ())
         ids, groups = self.assembly.ids, self.assembly.groups
@@ -155,27 +156,27 @@ class Model:
     ) -> Model:
         """The model with other values of the joint law.
 
-        An exception by pair keeps the values in which it differs from the law of all other
-        joints, and takes on the new ones where it had the same.
+        A law of a pair keeps those values in which it differs from the law of all other joints. Its
+        other values change.
 
         Parameters
         ----------
         between
-            Two block ids or two materials: only their law is changed, or made an exception.
+            Two block ids or two materials: only the law between them is changed, or created.
         values
-            Of `JointLaw`, by name: ``friction_coefficient=0.5``.
+            Values of `JointLaw` by name, for instance ``friction_coefficient=0.5``.
 
         Raises
         ------
         ModelError
-            A value that no joint can have, or a name that nothing goes by.
+            A joint cannot have such a value, or a name is not known.
         """
         from drystone.model.construction.vary import joints_with, remade
 
         return remade(self, **joints_with(self.assembly, between, values))
 
     def with_corner(self, *, radius: float | None = None, chamfer: float | None = None) -> Model:
-        """The model with other corners [m]: rounded, chamfered, or sharp where nothing is said."""
+        """The model with other corners [m]: rounded, chamfered, or by default sharp."""
         from drystone.model.construction.vary import remade
 
         return remade(self, corner=Corner(radius=radius, chamfer=chamfer))
@@ -187,12 +188,12 @@ class Model:
         direction: Sequence[float] | None = None,
         dead_loads: Sequence[DeadLoad] | None = None,
     ) -> Model:
-        """The model under another load: a pattern, its direction, the dead loads beside weight.
+        """The model under another load: a pattern, its direction, or other dead loads.
 
-        In place of a pattern, numbers are a direction: ``model.with_load((-1, 0))``.
+        Instead of a pattern you may give a direction: ``model.with_load((-1, 0))``.
 
-        Control block, point and direction follow as far as they are those that are taken where
-        nothing is said about them; what was chosen otherwise stays.
+        Control block, point and direction follow the load if they are the default ones. Those that
+        were chosen stay.
         """
         from drystone.model.construction.vary import control_beside_default, remade
 
@@ -212,13 +213,13 @@ class Model:
         return remade(self, **load, **control_beside_default(self))
 
     def with_ties(self, ties: Sequence[Tie]) -> Model:
-        """The model with these ties and springs in place of its own."""
+        """The model with these ties and springs instead of its own."""
         from drystone.model.construction.vary import remade
 
         return remade(self, ties=tuple(ties))
 
     def with_settlement(self, settlement: Settlement) -> Model:
-        """The model with supports that move in place of the load pattern."""
+        """The model with supports that move, instead of the load pattern."""
         from drystone.model.construction.vary import remade
 
         return remade(self, settlement=settlement, load=None, history=None)
@@ -230,7 +231,8 @@ class Model:
         point: str | Sequence[float] | None = None,
         direction: Sequence[float] | None = None,
     ) -> Model:
-        """The model with another control point; what is left out is chosen as in a model file."""
+        """The model with another control point. Arguments that are left out have the defaults of
+        model files."""
         from drystone.model.construction.vary import remade
 
         return remade(self, control_block=block, control_point=point, control_direction=direction)
@@ -242,21 +244,21 @@ class Model:
         amplitudes: Sequence[float] | None = None,
         cycles: int = 1,
     ) -> Model:
-        """The model with control displacements to reach one after another; monotonic where none is
-        given.
+        """The model with control displacements that are reached one after another; monotonic if
+        none is given.
 
         Parameters
         ----------
         targets
             Control displacements [m].
         amplitudes, cycles
-            In their place: each displacement [m] is reached in both senses, so many times; the
-            last target is zero.
+            Instead of ``targets``: each amplitude [m] is reached in both senses, in this number of
+            cycles. The last target is zero.
 
         Raises
         ------
         ModelError
-            Displacements that no control point can be brought to.
+            The displacements cannot be reached by a control point.
         """
         from drystone.model.construction.vary import remade
 
@@ -274,14 +276,14 @@ class Model:
         max_penetration: float | None = None,
         **options: float | None,
     ) -> Model:
-        """The model to be analysed otherwise.
+        """The model with other settings of the analysis.
 
         Parameters
         ----------
         engine, strategy, stop_multiplier, ground, falling, event_share, max_penetration
-            As in `Analysis`; what is left out stays.
+            As in `Analysis`. Those that are left out do not change.
         options
-            Settings by name, beside those there are; None takes one out.
+            Settings by name, in addition to the present ones; None removes a setting.
         """
         now = self.analysis
         merged = {**now.options, **options}

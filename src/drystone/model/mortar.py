@@ -11,8 +11,8 @@ from drystone.common.ranges import problem
 class Mortar:
     """A bed of mortar; its stiffnesses per area are k_n = E / t and k_s = G / t.
 
-    Raises `ValueError` for a number that no mortar has, and where not exactly one of shear modulus
-    and Poisson's ratio is given.
+    Raises `ValueError` for an impossible number, and if not exactly one of shear modulus and
+    Poisson's ratio is given.
     """
 
     thickness: float  # m

@@ -225,7 +225,8 @@ class Tie:
 
 
 def spring(*, start: TieEnd, end: TieEnd, stiffness: float, **more: Any) -> Tie:
-    """A spring between two points that pushes as it pulls, such as a floor between two walls."""
+    """A spring between two points for tension and compression, such as a floor between two
+    walls."""
     return Tie(
         start=start,
         end=end,

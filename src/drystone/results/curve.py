@@ -210,9 +210,9 @@ class KeptContacts(Sequence[ContactForces]):
 class CapacityCurve:
     """Load multiplier against control displacement, over the peak and down.
 
-    The control displacement is zero where the load begins.  Poses are those from the designed
-    places, `settlement` included.  Every array has one entry per point.  `reason` says in a
-    sentence why the curve ends.
+    The control displacement is zero at the start of the load. Poses are counted from the designed
+    places, `settlement` included. Every array has one entry per point. `reason` says in a sentence
+    why the curve ends.
     """
 
     engine: str

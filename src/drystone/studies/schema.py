@@ -55,9 +55,9 @@ class ParameterSection(VariedSection):
         of_distributions = {"mean", "std", "shapes", "bounds"} & self.model_fields_set
         if of_distributions and self.distribution is None:
             key = sorted(of_distributions)[0]
-            raise sentence(f"has {key}, which is of a distribution: take it out")
+            raise sentence(f"has {key}, which belongs to a distribution: take it out")
         if self.whole and self.range is None:
-            raise sentence("has whole, which is of a range: take it out")
+            raise sentence("has whole, which belongs to a range: take it out")
         return self
 
 
@@ -171,7 +171,7 @@ class StudySection(Section):
                 'as in function = "module:name"'
             )
         if self.function is not None and self.imperfection is not None:
-            raise sentence("has [imperfection], which is of a model: take it out")
+            raise sentence("has [imperfection], which belongs to a model: take it out")
         if self.target is not None and (self.parameter or self.design):
             raise sentence("has [target] beside a design: make a study of its own for each")
         return self

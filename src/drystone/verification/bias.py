@@ -28,12 +28,12 @@ STEP = 2.5e-4
 AT = 0.1
 
 SECTIONS = {
-    SECTION: "The published strategy applies more than is carried, by an overshoot f. After the "
-    "peak its multipliers tend to a fixed ratio to the static ones, as derived in "
-    "[theory](../explanation/theory.md). Runs of engine `nscd`, 0.25 mm a step. The block with "
-    "sharp corners is read between 0.1 and 0.2 m, against its closed form. Wall 1 is read at "
-    "0.1 m, against the curve of the strategy `displacement`, with the factor c of the formula "
-    "from the motion of the run itself.",
+    SECTION: "The published strategy applies more load than the structure carries, by the "
+    "overshoot f. After the peak, the ratio of its multipliers to the static ones tends to a "
+    "constant, which [theory](../explanation/theory.md) derives. The engine is `nscd`, with steps "
+    "of 0.25 mm. The block with sharp corners is evaluated between 0.1 and 0.2 m, against its "
+    "closed form. Wall 1 is evaluated at 0.1 m, against the curve of the strategy `displacement`. "
+    "The factor c of the formula is computed from the motion of the run itself.",
 }
 
 
@@ -128,7 +128,7 @@ def cases() -> list[Case]:
                 5e-3,
                 "the lag of the recursion behind the falling branch, in steps of 0.25 mm",
             ),
-            ("wall 1", of_wall, 2e-2, "the lag, and c from poses 20 mm apart"),
+            ("wall 1", of_wall, 2e-2, "this lag, and c computed from poses 20 mm apart"),
         )
         for f in FACTORS
     ]

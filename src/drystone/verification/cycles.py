@@ -22,11 +22,11 @@ STEP_IN_TIME = 5e-4  # m, displacement step of `nscd` there
 OF_ROCKING, ON_A_CORNER = 1e10, 1e-3
 
 SECTIONS = {
-    SECTION: "`[control] history` brings the control point to a displacement, to the other side, "
-    "and back. A block of weight W that slides to and fro by a encloses 4 mu W (a - u) a cycle, "
-    "where u is what its joint gives way by before it slides. On stiff joints that is 4 mu W a. A "
-    "block that rocks, and a stack of two, come back on the same curve. The number is then the "
-    "largest difference of the multiplier, over both senses.",
+    SECTION: "`[control] history` moves the control point to a displacement, to the other side, "
+    "and back. A block of weight W that slides to and fro by the amplitude a dissipates 4 mu W (a "
+    "- u) in a cycle, where u is the elastic displacement of its joint before it slides. On stiff "
+    "joints this is 4 mu W a. A block that rocks, and a stack of two, return on the same curve. "
+    "The number is then the largest difference of the multiplier, in both senses.",
 }
 
 
@@ -78,8 +78,8 @@ def cases() -> list[Case]:
                     expected=4.0 * FRICTION * weight * (AMPLITUDE - soft),
                     compute=partial(energy, engine, stiffness),
                     bound=1e-6,
-                    reason="the block tilts by 3e-6 rad on its soft joint, of which the energy is "
-                    "of second order; u of the stiff one is 2e-7 of a",
+                    reason="the block tilts by 3e-6 rad on its soft joint, and the energy of this "
+                    "is of second order; on the stiff joint u is 2e-7 of a",
                 )
             )
         for heights, what in (((2.0 * TALL,), "one block"), ((TALL, TALL), "a stack of two")):
@@ -93,10 +93,10 @@ def cases() -> list[Case]:
                     compute=partial(rocking, engine, heights),
                     bound=1e-6,
                     reason=(
-                        "virtual work is of second order in the angle of a step, 0.5 mm over 0.8 "
-                        "m: twice its square is 8e-7"
+                        "the error of virtual work is of second order in the angle of a step, "
+                        "0.5 mm over 0.8 m: twice its square is 8e-7"
                         if engine == "nscd"
-                        else "static steps leave 1e-7 of a weight as inertia; ten times that"
+                        else "ten times the inertia that static steps leave, 1e-7 of a weight"
                     ),
                 )
             )

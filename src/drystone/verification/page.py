@@ -51,11 +51,11 @@ def markdown(rows: Sequence[Checked], introductions: dict[str, str], version: st
     total = sum(row.seconds for row in rows)
     parts = [
         "# Verification",
-        f"Written by `drystone verify --all --out docs/reference/verification.md` (version "
-        f"{version}). Each case computes one number. Its error is relative, or the number itself "
-        "where zero is expected. Each bound has its reason below the table. `drystone verify` "
-        "computes those marked with a dot in two minutes, and ends with the exit status 1 where "
-        "one is beyond its bound.",
+        f"This page is written by `drystone verify --all --out docs/reference/verification.md` "
+        f"(version {version}). Each case computes one number. Its error is relative. If the "
+        "expected number is zero, the error is the number itself. The reason of each bound stands "
+        "below its table. `drystone verify` computes the cases marked with a dot, in two minutes. "
+        "Its exit status is 1 if a case exceeds its bound.",
         f"{summary(rows)}. They took {total:.0f} s.",
     ]
     for title in dict.fromkeys(row.case.section for row in rows):

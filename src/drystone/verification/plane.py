@@ -23,18 +23,18 @@ LENGTHS = (1e-3, 5e-4, 2.5e-4)
 STEP = LENGTHS[0]
 
 SECTIONS = {
-    ROCKING: "One block 0.4 m wide and 0.9 m high on a fixed base, with joints of 1e11 Pa/m. It "
-    "turns over its toe. The multiplier is the weight's arm about the contact over the height of "
-    "the centroid, and the disc of a rounded corner rolls. The number is the largest difference "
-    "of the multiplier, at static points, from 1 % to 95 % of the displacement at which the "
-    "multiplier vanishes.",
-    SLIDING: "A flat block is pushed down an inclined plane. It slides at the multiplier "
-    "tan(phi - alpha), with tan phi the friction and alpha the slope. The number is the median "
-    "multiplier of a curve of 5 cm.",
+    ROCKING: "One block 0.4 m wide and 0.9 m high stands on a fixed base, with joints of 1e11 "
+    "Pa/m. It turns over its toe. The multiplier is the arm of the weight about the contact over "
+    "the height of the centroid. With a rounded corner the contact moves, because the disc rolls. "
+    "The number is the largest difference of the multiplier from this value, at static points, "
+    "from 1 % to 95 % of the displacement at which the multiplier vanishes.",
+    SLIDING: "A flat block is pushed down an inclined plane. It slides at the multiplier tan(phi "
+    "- alpha), where tan phi is the friction coefficient and alpha the slope. The number is the "
+    "median multiplier of a curve of 5 cm.",
     STEPS: "The block that rocks, with a corner radius of 0.02 m. For `nscd` the number is the "
-    "order by which the median difference from the closed form falls with the displacement step, "
-    "from 1 mm to 0.25 mm. For the other engines it is the median difference itself with steps of "
-    "0.25 mm.",
+    "order of convergence: how the median difference from the closed form falls with the "
+    "displacement step, from 1 mm to 0.25 mm. For the other engines the number is the median "
+    "difference itself, with steps of 0.25 mm.",
 }
 
 
@@ -81,7 +81,7 @@ def _of_rocking() -> list[Case]:
     for engine in ENGINES:
         for radius in (0.0, 0.02):
             bound = 10.0 * tilt
-            reason = f"the joint tilts by {tilt:.1e} rad before the block turns; ten times that"
+            reason = f"ten times the tilt of the joint before the block turns, {tilt:.1e} rad"
             if engine == "nscd":
                 # A turn by the step's angle a, along the tangent where it starts, shifts the toe by
                 # half of a^2 of the level distance to the centroid: over the branch in all by half
@@ -89,8 +89,8 @@ def _of_rocking() -> list[Case]:
                 rise = 0.5 * (float(np.hypot(WIDTH, HEIGHT)) - HEIGHT)
                 bound += slope * 0.5 * STEP / HEIGHT * rise
                 reason += (
-                    "; and steps go along the tangent, so that the toe drifts by half of a step's "
-                    "angle of what the centroid rises by"
+                    "; in addition, each step follows its tangent, so that the toe drifts by half "
+                    "of the step's angle times the rise of the centroid"
                 )
             found.append(
                 Case(
@@ -122,7 +122,7 @@ def _of_sliding() -> list[Case]:
                     expected=exact,
                     compute=partial(sliding, engine, friction, alpha),
                     bound=1e-5,
-                    reason="points at rest are known to 1e-5 of a weight",
+                    reason="points at rest are computed to 1e-5 of a weight",
                 )
             )
     return found
@@ -147,9 +147,9 @@ def _of_steps() -> list[Case]:
                 ),
                 bound=0.05 if of_first_order else 1e-6,
                 reason=(
-                    "terms of second order, with steps of a thousandth of the height"
+                    "terms of second order, for steps of a thousandth of the height"
                     if of_first_order
-                    else "no term in the step's length: the joint's tilt, twice"
+                    else "the error does not depend on the step: twice the tilt of the joint"
                 ),
                 quick=False,
             )

@@ -12,11 +12,11 @@ from drystone.verification.case import ENGINES, PROGRAM, Case
 SECTION = "The published walls"
 
 SECTIONS = {
-    SECTION: "Peaks of Table 1 of Bouckaert, Godio and de Almeida (2022), by LMGC90 and UDEC, "
-    "whose multipliers are applied ones. Ours are static, strategy `displacement`. They are of "
-    "the same models. Limit analysis is of rigid blocks with sharp corners. Where the curve ends "
-    "is no case: theirs follow the published strategy, which is [biased after the "
-    "peak](../explanation/theory.md).",
+    SECTION: "The peaks are those of Table 1 of Bouckaert, Godio and de Almeida (2022), by LMGC90 "
+    "and UDEC. Their multipliers are applied ones, and those of drystone are static (strategy "
+    "`displacement`). The models are the same. Limit analysis takes rigid blocks with sharp "
+    "corners. The ends of the curves are not compared, because the published strategy is [biased "
+    "after the peak](../explanation/theory.md).",
 }
 
 
@@ -44,7 +44,7 @@ def cases() -> list[Case]:
                 expected=wall.associative_multiplier,
                 compute=partial(collapse, number, "associative"),
                 bound=0.5e-5 / wall.associative_multiplier,
-                reason="half of the last digit that they print",
+                reason="half of the last printed digit",
             ),
         ]
         apart = abs(wall.peak_lmgc90 - wall.peak_udec)
@@ -59,7 +59,7 @@ def cases() -> list[Case]:
                         expected=expected,
                         compute=partial(peak, number, engine),
                         bound=(apart + 0.5e-3) / expected,
-                        reason="by what both programs differ, and half of the last digit",
+                        reason="the difference of both programs, and half of the last digit",
                         quick=number == 1 and engine == "equilibrium",
                     )
                 )

@@ -22,14 +22,15 @@ ANGLES = (0.0, 30.0, 45.0, 90.0)  # degrees
 LIMIT = "limit analysis"
 
 SECTIONS = {
-    BLOCK: "One block 0.4 x 0.6 x 1.5 m, friction 0.7, joints of 1e11 Pa/m, is pushed at an angle "
-    "to its width. The peak is min(mu, b / (h cos), d / (h sin)). More cases, of random solids, "
-    "twisting, flight, arches, domes and façades, are in the folders `tests/verification` and "
-    "`tests/validation`.",
-    WALLS: "The published walls, extruded, against the same walls in the plane, which other "
-    "methods follow: the collapse multiplier of associative limit analysis, the peak by "
-    "`equilibrium`, and the median difference of its branches over the peak. After a jump each "
-    "may find a branch of its own.",
+    BLOCK: "One block of 0.4 x 0.6 x 1.5 m, with friction 0.7 and joints of 1e11 Pa/m, is pushed "
+    "at an angle to its width. The peak is min(mu, b / (h cos), d / (h sin)). More cases (random "
+    "solids, twisting, flight, arches, domes and façades) are in the folders `tests/verification` "
+    "and `tests/validation`.",
+    WALLS: "The published walls, extruded to solids, are compared with the same walls in the "
+    "plane, which are analysed by other code. The numbers are the differences of the collapse "
+    "multiplier of associative limit analysis, of the peak by `equilibrium`, and of the branches "
+    "by `equilibrium` (the median, over the peak). After a jump, wall and solids may follow "
+    "different branches.",
 }
 
 
@@ -100,19 +101,19 @@ def cases() -> list[Case]:
                     compute=partial(peak, method, degrees),
                     bound=1e-9 if method == LIMIT else 4.0 * tilt / exact,
                     reason=(
-                        "what the cone program is solved to"
+                        "the tolerance of the cone program"
                         if method == LIMIT
-                        else f"the joint tilts by up to {tilt:.1e} rad, about both axes, before "
-                        "the block turns: four times that"
+                        else f"four times the tilt of the joint about both axes before the block "
+                        f"turns, up to {tilt:.1e} rad"
                     ),
                     quick=degrees == 30.0,
                 )
             )
     for number in PUBLISHED_WALLS:
         for what, compute, bound, reason in (
-            ("collapse multiplier", _limit, 1e-8, "what both programs are solved to"),
-            ("peak", _peaks, 1e-3, "where points lie about the peak"),
-            ("median of branches", branches_apart, 5e-3, "a jump ends on one of several branches"),
+            ("collapse multiplier", _limit, 1e-8, "the tolerance of both programs"),
+            ("peak", _peaks, 1e-3, "the distance of points near the peak"),
+            ("median of branches", branches_apart, 5e-3, "after a jump branches may differ"),
         ):
             found.append(
                 Case(

@@ -13,10 +13,11 @@ from drystone.verification.case import LABORATORY, Case
 SECTION = "Laboratory tests"
 
 SECTIONS = {
-    SECTION: "Peak forces of dry-joint walls pushed sideways under a vertical load, in kN, of the "
-    "[tests and models](laboratory.md) of `drystone benchmark laboratory`. The model has what the "
-    "reports say, and nothing is fitted. No model can be nearer to two equal walls than they are "
-    "to each other: the bound is the largest difference of the peaks of equal walls, and of both "
+    SECTION: "The numbers are peak forces in kN of dry-joint walls that were pushed sideways "
+    "under a vertical load. They belong to the [tests and models](laboratory.md) of `drystone "
+    "benchmark laboratory`. The models use the data of the reports, and no value is fitted. A "
+    "model cannot be nearer to two equal walls than these are to each other. The bound is "
+    "therefore the largest difference between the peaks of equal walls, and between the two "
     "senses of a wall.",
 }
 
@@ -69,7 +70,7 @@ def cases() -> list[Case]:
                     expected=expected,
                     compute=partial(_ours, like.name, sense),
                     bound=bound,
-                    reason="peaks of equal walls, and of both senses, differ by as much",
+                    reason="the largest difference of the peaks of equal walls, and of both senses",
                     known=known_miss(wall),
                     quick=not wall.cyclic,
                 )

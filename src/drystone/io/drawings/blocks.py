@@ -175,7 +175,7 @@ def _unit(settings: ImportSettings, drawing: Drawing, notes: list[str]) -> str:
 def _up(settings: ImportSettings, drawing: Drawing, notes: list[str]) -> str:
     if drawing.dimension == 2:
         if settings.up is not None:
-            raise ModelError(["up: is of three dimensions: take it out"])
+            raise ModelError(["up: is for models in space only: take it out"])
         return ""
     if settings.up is None:
         if drawing.up is None:

@@ -14,7 +14,7 @@ TOLERANCE = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class ImportSettings:
-    """How a file is read; what the file says itself may be left out."""
+    """How a file is read. Settings that the file itself contains may be left out."""
 
     file: Path
     format: str | None = None  # by the file's ending

@@ -37,9 +37,10 @@ class BuildSection(Chosen):
     def _in_its_dimension(self, info: ValidationInfo) -> BuildSection:
         dimensions, own = BUILDERS[self.kind].dimensions, dimension_of(info)
         if own is not None and own not in dimensions:
-            words = "three" if own == 2 else "two"
+            where = "space" if own == 2 else "the plane"
             raise sentence(
-                f'kind = "{self.kind}" is of {words} dimensions: set dimension = {dimensions[0]}'
+                f'kind = "{self.kind}" is for models in {where} only: '
+                f"set dimension = {dimensions[0]}"
             )
         return self
 

@@ -209,10 +209,10 @@ class Chosen(Extended):
         owners = [quoted(other) for other, thing in cls.registry.own()
                   if any(own.name == key for own in cls.declared(thing))]  # fmt: skip
         if len(owners) == 1:
-            raise sentence(f"has {key}, which is of {cls.chooser} = {owners[0]}: take it out")
+            raise sentence(f"has {key}, which belongs to {cls.chooser} = {owners[0]}: take it out")
         if owners:
             raise sentence(
-                f"has {key}, which is not of {cls.chooser} = {quoted(name)}: take it out"
+                f"has {key}, which does not belong to {cls.chooser} = {quoted(name)}: take it out"
             )
 
 

@@ -34,7 +34,7 @@ def history_in(
     """
     targets, amplitudes, cycles = section.history, section.amplitudes, section.cycles
     if cycles is not None and amplitudes is None:
-        problems.append("control.cycles: is of amplitudes: give amplitudes = [...] in m as well")
+        problems.append("control.cycles: needs amplitudes: give amplitudes = [...] in m as well")
         return None, ()
     digests: tuple[str, ...] = ()
     try:
@@ -71,7 +71,9 @@ def _numbers(contents: bytes, path: str | Path) -> list[float]:
     try:
         text = contents.decode("utf-8")
     except UnicodeDecodeError:
-        raise ModelError([f"control.history: {path} is no text: give one number a line"]) from None
+        raise ModelError(
+            [f"control.history: {path} is not a text: give a number in each line"]
+        ) from None
     values = []
     for k, line in enumerate(text.splitlines(), 1):
         word = line.split("#")[0].strip()

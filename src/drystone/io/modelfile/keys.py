@@ -53,14 +53,14 @@ def _direction(value: list[float], info: ValidationInfo) -> list[float]:
 def in_plane_only(value: Any, info: ValidationInfo) -> Any:
     """The value, which models in space do not have."""
     if value is not None and dimension_of(info) == 3:
-        raise sentence("is of two dimensions: take it out")
+        raise sentence("is for models in the plane only: take it out")
     return value
 
 
 def in_space_only(value: Any, info: ValidationInfo) -> Any:
     """The value, which models of the plane do not have."""
     if value is not None and dimension_of(info) == 2:
-        raise sentence("is of three dimensions: take it out, or set dimension = 3")
+        raise sentence("is for models in space only: take it out, or set dimension = 3")
     return value
 
 

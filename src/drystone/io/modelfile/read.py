@@ -66,14 +66,14 @@ def read_model(
     path
         Of the file; JSON if it ends in .json or begins with a brace.
     need_stiffness
-        Whether joints must have stiffnesses.  Limit analysis does without.
+        Whether joints must have stiffnesses. Limit analysis needs none.
     need_engine
-        Whether there must be the engine that [analysis] names, of ours or of another package.
+        Whether the engine that [analysis] names must exist, in drystone or in another package.
 
     Raises
     ------
     ModelError
-        With a sentence on everything that was found wrong; each names the file and the place.
+        The message has a sentence on everything that is wrong. Each names the file and the place.
     """
     path = Path(path)
     try:

@@ -275,7 +275,7 @@ class DeadLoadSection(Section):
             if key not in given:
                 raise sentence(f'{key} is missing: kind = "{self.kind}" needs it')
         for key in sorted(given - {*wanted, *more}):
-            raise sentence(f'has {key}, which is not of kind = "{self.kind}": take it out')
+            raise sentence(f'has {key}, which does not belong to kind = "{self.kind}": take it out')
         return self
 
 

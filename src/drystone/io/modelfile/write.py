@@ -20,8 +20,8 @@ def write_model(model: Model, path: str | PathLike[str]) -> None:
     """Write a model to ``path``, as JSON if it ends in .json and as TOML otherwise.
 
     Walls are written block by block.  Reading the file again gives an equal assembly.  Spectra and
-    records that the model names are copied into the folder of the file, where they are not in it
-    yet: a model file names files of its own folder alone.
+    records that the model names are copied into the folder of the file, because a model file may
+    only name files in its own folder.
     """
     path = Path(path)
     data = model_to_dict(model)

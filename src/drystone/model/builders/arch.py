@@ -28,10 +28,11 @@ def arch(
     abutments: YesOrNo = False,
     material: str = "",
 ) -> list[Block]:
-    """A ring of voussoirs with joints normal to the intrados, its springings at the origin's level.
+    """A ring of voussoirs with joints normal to the intrados and springings at the level of the
+    origin.
 
-    Voussoirs are equal along the intrados, their faces plane from joint to joint.  A size is cut to
-    fit: the nearest odd number is taken, of a pointed arch the nearest even one.
+    Voussoirs have equal lengths along the intrados, and plane faces from joint to joint. If a size
+    is given, it is changed so that the number of voussoirs is odd, or even for a pointed arch.
 
     Parameters
     ----------
@@ -40,15 +41,15 @@ def arch(
     unit_weight
         N/m3.
     span
-        Between the springings of the intrados [m], the origin in its middle.
+        Distance between the springings of the intrados [m]; the origin is in the middle.
     rise
-        Of the intrados [m]; half the span by default.
+        Rise of the intrados [m]; by default half the span.
     shape
         ``circular``, ``pointed`` (two arcs with centres on the springing line) or ``elliptic``.
     intrados
         Instead of span, rise and shape: points [x, z] [m] from left to right of a smooth curve.
     voussoirs, size
-        How many, or how long at the intrados [m].
+        Number of voussoirs, or their length at the intrados [m].
     depth
         Along y, from 0 [m]; none in the plane.
     abutments
@@ -63,7 +64,7 @@ def arch(
     Raises
     ------
     ModelError
-        The measures make no arch.
+        No arch has these measures.
     """
     if problems := positive(depth=depth):
         raise ModelError(problems)

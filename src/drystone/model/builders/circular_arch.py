@@ -30,9 +30,9 @@ def circular_arch(
     Parameters
     ----------
     radius
-        Of the centre line [m].
+        Radius of the centre line [m].
     thickness
-        In radial direction [m].
+        Thickness in radial direction [m].
     embrace
         Angle that the arch covers [degrees], symmetric about the vertical, up to 180.
     n_voussoirs
@@ -40,14 +40,14 @@ def circular_arch(
     unit_weight
         N/m3.
     centre
-        Of the circle [m].
+        Centre of the circle [m].
     abutments
         Whether to lay a fixed block, ``right`` and ``left``, under either springing.
 
     Raises
     ------
     ModelError
-        The measures make no arch.
+        No arch has these measures.
     """
     _check(radius, thickness, embrace, n_voussoirs)
     half = 0.5 * math.radians(embrace)

@@ -93,8 +93,8 @@ PUBLISHED_WALLS = {
 def published_wall(number: int, *, analysis: Analysis | None = None) -> Model:
     """Model of wall 1, 2 or 3 as Bouckaert et al. (2022) analysed it.
 
-    Pushed to the right in proportion to weight; the control point is the upper right corner of
-    the upper right block, read horizontally.
+    The load acts to the right in proportion to weight. The control displacement is the horizontal
+    displacement of the upper right corner of the upper right block.
 
     Raises
     ------

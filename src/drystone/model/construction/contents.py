@@ -39,7 +39,10 @@ def read_bytes(path: Path | Held, what: str) -> bytes:
     if isinstance(path, Held):
         if path.text is None:
             raise ModelError(
-                ["is not held by these results, which read no other file: analyse the model again"]
+                [
+                    "is not stored in these results, and no other file is read for them: "
+                    "analyse the model again"
+                ]
             )
         return path.text.encode()
     try:
@@ -73,8 +76,8 @@ def within(folder: Path, name: str) -> Path:
     if is_outside(folder, name):
         raise ModelError(
             [
-                f"{quoted(name)} lies outside of the model file's folder, and a model names files "
-                "in its own folder and below alone: copy it there"
+                f"{quoted(name)} lies outside of the model file's folder, and a model may name "
+                "files in its own folder and below only: copy it there"
             ]
         )
     return folder / name
@@ -85,7 +88,7 @@ def is_outside(folder: Path, name: str) -> bool:
     try:
         return not (folder / name).resolve().is_relative_to(folder.resolve())
     except (OSError, RuntimeError, ValueError):
-        raise ModelError([f"{quoted(name)} is no path of a file: mend it"]) from None
+        raise ModelError([f"{quoted(name)} is not the path of a file: correct it"]) from None
 
 
 def _too_large(size: int) -> str:

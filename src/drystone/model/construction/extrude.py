@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 def extruded(model: Model, *, points: int = 4) -> Model:
     """The same structure in space, from y = 0 to its thickness.
 
-    Load and control point lie in the plane amid them; edges are treated as corners were, on all
+    Load and control point lie in the middle plane. Edges are treated as the corners were, on all
     sides of a block.
 
     Parameters
@@ -39,7 +39,7 @@ def extruded(model: Model, *, points: int = 4) -> Model:
     plane = model.assembly
     depth = plane.depth
     if depth is None:
-        raise ValueError("the model is one of space already: only plane ones can be extruded")
+        raise ValueError("the model is already in space: only models in the plane can be extruded")
     control = model.control_point
 
     def into(vector: Array, *, point: bool = False) -> Array:

@@ -77,47 +77,48 @@ def make_model(
     Parameters
     ----------
     blocks
-        Movable blocks and supports; their order is that of all arrays.
+        Movable blocks and supports, in the order of all arrays.
     joint, joint_between
-        Law of every joint, and of those between two block ids or two materials.
+        Law of every joint, and laws of the joints between two block ids or two materials.
     thickness
         Out of plane [m]; none in space.
     load_direction
-        Of the load pattern; scaled to length one.  May be left out beside a ``load``.
+        Direction of the load pattern, scaled to length one. It may be left out if ``load`` is
+        given.
     load
         The pattern that the multiplier scales; by default forces in proportion to mass.
     dead_loads
-        Beside the blocks' weight.
+        Loads in addition to the weight of the blocks.
     ties
         Ties and springs between blocks.
     settlement
-        Of supports that move, in place of a load.
+        Motion of supports, instead of a load.
     corner
         How corners are treated for contact; sharp by default.
     points
-        Contact points on a joint: in the plane 2 to 64, and 2 where nothing is said; in space, on
-        one of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, and 4.
+        Number of contact points of a joint. In the plane 2 to 64, by default 2. In space, for a
+        joint of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, by default 4.
     control_block, control_point, control_direction
         See `choose_control_point`.
     history
-        Control displacements to reach one after another.
+        Control displacements that are reached one after another.
     source, sha256
-        Path of the file it came from and digest of the file's bytes, if it did.
+        Path of the file that the model was read from, and digest of its bytes.
     place
-        Names a block by its row in messages.
+        Function that names a block in messages, by its row.
     drawing_tolerance
-        Gaps and overlaps of joints, over the smallest edge of all blocks, that are closed.
+        Largest gap or overlap of joints that is closed, over the smallest edge of all blocks.
     notes
-        Sentences on the file that was read, to go with those on its outlines.
+        Sentences on the file that was read, in addition to those on its outlines.
     mended
-        What was done to blocks that were imported.
+        Changes of imported blocks.
     site, assessment
-        What the ground does, and how the curve is assessed; no curve depends on them.
+        Ground motion, and method of assessment. Curves do not depend on them.
 
     Raises
     ------
     ModelError
-        With everything that was found wrong.
+        The message lists everything that is wrong.
     """
     place = place or (lambda i: f'block "{blocks[i].id}"')
     _raise(_too_large(blocks))
@@ -200,7 +201,7 @@ def _pattern(
     if load is not None and not hasattr(load, "along"):
         raise ModelError(
             [
-                "load: is no pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
+                "load: must be a pattern: give one, as ds.MassPattern(direction=(1.0, 0.0)), or a "
                 "load_direction alone"
             ]
         )
@@ -285,7 +286,7 @@ def _depth_problems(
         found.append(f"contact.points: must be {of.points_text}, it is {points}")
     if of.thickness(1.0) is None:
         if thickness is not None:
-            found.append("thickness: is of two dimensions: take it out")
+            found.append("thickness: is for models in the plane only: take it out")
     elif thickness is None:
         found.append("thickness: is missing: give it in m, out of plane")
     elif wrong := problem("thickness", thickness):

@@ -63,7 +63,7 @@ class ForcesPattern:
 
     def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
-        raise ValueError('the pattern "forces" has the directions of its forces: change these')
+        raise ValueError('the pattern "forces" has the directions of its forces: change those')
 
     def opposite(self, assembly: Assembly) -> Self:
         """See `LoadPattern`."""

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MassPattern(Directed):
-    """Forces as large as the weight of each movable block, along one direction."""
+    """A force on each movable block, as large as its weight, along one direction."""
 
     name: ClassVar[str] = "mass"
 

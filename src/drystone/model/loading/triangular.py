@@ -23,7 +23,7 @@ class TriangularPattern(Directed):
     """Sideways forces F_i = W m_i z_i / sum m_j z_j with the weight W of all masses: EN 1998-1,
     (4.11).
 
-    Heights are those of the blocks' centroids; what lies below the base feels nothing.
+    Heights are those of the blocks' centroids. Blocks below the base have no force.
     """
 
     name: ClassVar[str] = "triangular"

@@ -53,9 +53,9 @@ class ResultsDirectory:
 
     Nothing is written before the first point, so that a model that turns out to be wrong leaves no
     trace.  From then on ``results.h5`` grows with the analysis; the other files are written at its
-    end, also when it was interrupted or the disk is full.  What the program has left there
-    before, of runs, assessments and pages, goes once the first point is on the disk: where the disk
-    is too full for it, earlier results stay.  From the first point to the end the folder is locked.
+    end, also when it was interrupted or the disk is full.  Earlier results in the folder (of runs,
+    assessments and pages) are removed once the first point is on the disk. If the disk is too full
+    for it, they stay.  From the first point to the end the folder is locked.
 
     Parameters
     ----------
