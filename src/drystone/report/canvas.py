@@ -11,7 +11,7 @@ import io
 import warnings
 from html import escape
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 from drystone.common.language import current, with_mark
 from drystone.model.construction.words import printable
@@ -22,6 +22,12 @@ if TYPE_CHECKING:
 
 #: Resolution of every figure [dots per inch].
 RESOLUTION = 150
+#: What files of a format are written with.  Compression 3 of 9 makes PNG twice as fast as the usual
+#: 6, and a tenth larger.
+_OF_FORMAT: dict[str, dict[str, Any]] = {
+    "png": {"pil_kwargs": {"compress_level": 3}},
+    "svg": {"metadata": {"Date": None}},
+}
 #: Letters of a title.
 LONGEST = 100
 
@@ -74,7 +80,7 @@ def save(
             format=format,
             dpi=resolution,
             facecolor="white",
-            metadata={"Date": None} if format == "svg" else None,
+            **_OF_FORMAT.get(format, {}),
         )
 
 
