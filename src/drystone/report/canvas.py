@@ -42,9 +42,16 @@ BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none
 
 
 def made_ready() -> None:
-    """Import what draws, before there is anything to draw."""
-    import matplotlib.backends.backend_agg
-    import matplotlib.figure  # noqa: F401
+    """Import what draws and draw a letter, before there is anything to draw.
+
+    With the first letter fonts are read, and what reads formulas is made.
+    """
+    import matplotlib.backends.backend_agg  # noqa: F401
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1.0, 1.0))
+    figure.text(0.0, 0.0, "$λ$")
+    save(figure, io.BytesIO())
 
 
 def new_figure(width: float, height: float) -> Figure:
