@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import drystone as ds
 from drystone.cli import app
+from drystone.io.results.checkpoint import read_plan
 from drystone.io.results.folder import FolderLock
+from drystone.report.folder.taking_over import CLAIM, TakingOver
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODEL = EXAMPLES / "two_blocks.toml"
@@ -97,3 +100,11 @@ def test_a_direction_that_another_run_writes_in(made, tmp_path):
             assert contents(folder) == before
     finally:
         lock.release()
+
+
+def test_a_direction_that_was_killed_as_it_took_over_holds_no_other_up(tmp_path):
+    model = ds.read_model(MODEL)
+    takes_over = TakingOver.of(tmp_path, model, {"number": 2, "asked": []}, ["0", "180"])
+    (tmp_path / CLAIM).mkdir()  # what is left of it: its lock went with the process
+    takes_over()
+    assert read_plan(tmp_path)[1]["run"] == takes_over.plan["run"]

@@ -98,7 +98,7 @@ def lost(monkeypatch):
             n_factorisations=most,
         )
 
-    monkeypatch.setattr(non_associative, "follow", nowhere)
+    monkeypatch.setattr(coulomb_path, "follow", nowhere)
     monkeypatch.setattr(non_associative, "_certify", lambda *_: None)
 
 

@@ -11,6 +11,7 @@ from numba.core.caching import IndexDataCacheFile
 
 import drystone.common.compiled  # noqa: F401 - names files of the cache by process
 from drystone.common.kernel_cache import STAMP, discard_outdated
+from drystone.common.shipped_kernels import digest_of
 
 
 def compiled(folder):
@@ -25,27 +26,27 @@ def test_kernels_of_other_sources_are_discarded(tmp_path):
     folder = tmp_path / "cache"
     folder.mkdir()
     (folder / "caller.nbi").write_text("left by a version that had no stamp")
-    discard_outdated(folder, sources)
+    discard_outdated(folder, digest_of(sources))
     assert compiled(folder) == []
 
     (folder / "caller.nbi").write_text("index")
     (folder / "caller.1.nbc").write_text("code")
-    discard_outdated(folder, sources)
+    discard_outdated(folder, digest_of(sources))
     assert compiled(folder) == ["caller.1.nbc", "caller.nbi"]
 
     sources[1].write_text("second\n")
-    discard_outdated(folder, sources)
+    discard_outdated(folder, digest_of(sources))
     assert compiled(folder) == []
-    discard_outdated(folder, sources)
+    discard_outdated(folder, digest_of(sources))
     (folder / "called.nbi").write_text("index")
-    discard_outdated(folder, sources)
+    discard_outdated(folder, digest_of(sources))
     assert compiled(folder) == ["called.nbi"]
 
 
 def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path):
     source = tmp_path / "kernel.py"
     source.write_text("text\n")
-    discard_outdated(tmp_path / "missing", [source])
+    discard_outdated(tmp_path / "missing", digest_of([source]))
     assert not (tmp_path / "missing" / STAMP).exists()
 
 

@@ -319,7 +319,7 @@ class JointOfPair:
         plane_law.respond(contacts.table, 0, self.count, branch, reaction, response)
         step_contacts.geometric_stiffness(self.slots, *every, carried, bent)
         step_contacts.assemble(
-            *every, self.pairs, reaction, response, bent, motion, force, blocks
+            *every, self.pairs.which[:, :2], reaction, response, bent, motion, force, blocks
         )  # fmt: skip
         diagonal, upper, lower = blocks
         top, bottom = np.hstack((diagonal[0], upper[0])), np.hstack((lower[0], diagonal[1]))

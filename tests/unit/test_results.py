@@ -14,7 +14,7 @@ from builders import stack
 from drystone.contact.forces import ContactForces
 from drystone.io.convert import convert
 from drystone.io.modelfile.write import to_toml
-from drystone.io.results.hdf5 import ResultsWriter
+from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.limit import limits_beside
 from drystone.model.construction.describe import model_to_dict
 from drystone.results.curve import COLUMNS, BlockLeft
@@ -83,6 +83,18 @@ def test_what_was_saved_is_loaded_to_the_bit(tmp_path, model, curve):
     assert loaded.summary["peak_multiplier"] == curve.peak.load_multiplier
     with pytest.raises(IndexError):
         loaded.contacts[len(curve.points)]
+
+
+def test_the_capacity_of_a_loaded_curve_is_told_without_its_contacts(
+    tmp_path, model, curve, monkeypatch
+):
+    """They are read when they are asked for: all together they may be gigabytes."""
+    ds.save_results(curve, model, tmp_path / "out")
+    loaded = ds.load_results(tmp_path / "out").curve
+    monkeypatch.setattr(ResultsReader, "contacts", None)
+    assert len(loaded.first(3).contacts) == 3
+    with pytest.raises(TypeError):
+        loaded.first(3).contacts[0]
 
 
 def test_files_without_a_later_column_are_loaded(tmp_path, model, curve):

@@ -105,6 +105,3 @@ def test_pairs_of_ties_stand_behind_those_of_contacts():
     for p, (a, b) in enumerate(zip(joined.a, joined.b, strict=True)):
         assert tangent.upper[p] == pytest.approx(whole[3 * a : 3 * a + 3, 3 * b : 3 * b + 3])
         assert tangent.lower[p] == pytest.approx(whole[3 * b : 3 * b + 3, 3 * a : 3 * a + 3])
-    motion, force = random.normal(size=(4, 3)), np.zeros((4, 3))
-    joined.pull_on(found, motion, force)
-    assert force.ravel() == pytest.approx(-whole @ motion.ravel())

@@ -21,14 +21,25 @@ def main() -> None:
     """
     if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
         _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
-    from drystone.cli.program import app
+    import sys
 
-    app()
+    from drystone.common.importing import importing
+
+    begun, wanted = None, "".join(sys.argv[1:2])
+    with importing():
+        if wanted == "run":  # its other process takes as long as this one to be ready
+            from drystone.cli.limits import Limits
+
+            begun = Limits.where_it_helps()
+        from drystone.cli.program import program
+
+        app = program(wanted)
+    app(obj=begun)
 
 
 def __getattr__(name: str) -> "Any":
     if name != "app":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from drystone.cli.program import app
+    from drystone.cli.program import program
 
-    return app
+    return program()

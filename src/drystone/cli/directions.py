@@ -65,7 +65,7 @@ def run_directions(
     """
     from drystone.analysis.directions import evenly
     from drystone.io.results.folder import locked
-    from drystone.report.folder.taking_over import TakingOver
+    from drystone.report.folder.taking_over import TakingOver, clear_claim
 
     with locked(folder):
         angles = evenly(model, number)
@@ -75,16 +75,19 @@ def run_directions(
             {"number": number, "asked": list(asked)},
             [folder_name(angle) for angle in angles],
         )
-        summary, code = _in_folders(
-            model,
-            number,
-            folder,
-            asked,
-            takes_over=takes_over,
-            processes=processes,
-            as_json=as_json,
-            quiet=quiet,
-        )
+        try:
+            summary, code = _in_folders(
+                model,
+                number,
+                folder,
+                asked,
+                takes_over=takes_over,
+                processes=processes,
+                as_json=as_json,
+                quiet=quiet,
+            )
+        finally:
+            clear_claim(folder)
     return _shown(summary, folder, code, as_json=as_json)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from drystone.common.aside import Aside
     from drystone.limit.beside import Beside
     from drystone.model.model import Model
@@ -21,6 +22,8 @@ INTERRUPTED = "limit analysis was interrupted"
 class Limits:
     """What limit analysis finds of the model that a run traces.
 
+    A process that it has ends with the ``with`` statement.
+
     Parameters
     ----------
     aside
@@ -30,32 +33,49 @@ class Limits:
     def __init__(self, aside: Aside | None) -> None:
         self.aside = aside
         self._model: Model | None = None
+        self._moving: Future[ControlPoint | None] | None = None
         self._moved: ControlPoint | None = None
         self._going: Future[Any] | None = None
         self._found: Beside | None = None
         if aside is not None:  # before there is a model: importing takes long
             aside.begin(f"{LIMITS}:made_ready")
 
-    def begin(self, model: Model) -> Model:
-        """Begin with a model; the one to trace, whose control point is on a part that moves.
+    @classmethod
+    def where_it_helps(cls) -> Self:
+        """In a process of its own, where another processor has nothing to do."""
+        from drystone.common.aside import Aside
 
-        The process goes on with the multipliers, and then makes ready to draw.
-        """
-        from drystone.limit import on_what_moves
+        return cls(Aside.where_it_helps())
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self.aside is not None:
+            self.aside.end()
+
+    def begin(self, model: Model) -> None:
+        """Let the process, if there is one, begin with a model, and then make ready to draw."""
         self._model = model
         if self.aside is None:
-            return on_what_moves(model, self.found())
-        moved = None
+            return
         if model.control_point.default and model.settlement is None:
-            moved = self.aside.begin(f"{LIMITS}:moving_control", model)
+            self._moving = self.aside.begin(f"{LIMITS}:moving_control", model)
         self._going = self.aside.begin(f"{LIMITS}:limits_beside", model)
         self.aside.begin(f"{PICTURES}:made_ready")
-        if moved is not None:
-            from drystone.common.aside import answer
-            from drystone.limit.beside import moving_control
 
-            self._moved = answer(moved, lambda: moving_control(model))
+    def to_trace(self) -> Model:
+        """The model with its control point on a part that moves; waits for where that is."""
+        from drystone.common.aside import answer
+        from drystone.limit.beside import moving_control, on_what_moves
+
+        model = self._model
+        assert model is not None
+        if self.aside is None:
+            return on_what_moves(model, self.found())
+        if self._moving is None:
+            return model
+        self._moved = answer(self._moving, lambda: moving_control(model))
         return model if self._moved is None else replace(model, control_point=self._moved)
 
     def found(self) -> Beside:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -12,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drystone.cli.directions import Asked, number_of, run_directions
+from drystone.cli.limits import Limits
 from drystone.cli.options import AsJson, OptionalModelFile, Quiet, StrategyName
 from drystone.cli.outcome import emit, exit_code, fail, outcome, tell
+from drystone.common.importing import importing
 
 if TYPE_CHECKING:
-    from drystone.common.aside import Aside
     from drystone.limit import Beside
     from drystone.model.model import Model
     from drystone.report.folder.directory import ResultsDirectory
@@ -110,6 +110,7 @@ Extended = Annotated[
 
 # Long: what is asked for is checked, traced and told, in this order.
 def run(
+    context: typer.Context,
     model_file: OptionalModelFile = None,
     engine: EngineName = None,
     out: Folder = None,
@@ -145,18 +146,18 @@ def run(
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
     begun = False
-    with outcome(as_json=as_json, begun=lambda: begun), _aside(directions) as aside:
-        from drystone.cli.compiler import compiling
-        from drystone.cli.limits import Limits
-        from drystone.common.progress import progress_for
-
-        limits = Limits(aside)
-        from drystone.io.modelfile import read_model
-        from drystone.io.results.folder import check_apart, check_writable
-        from drystone.model.inspection import inspect
-        from drystone.report.folder.directory import ResultsDirectory, files_of
-
+    with outcome(as_json=as_json, begun=lambda: begun), _beginning(context, directions) as limits:
+        with importing():
+            from drystone.io.modelfile import read_model
         model = read_model(model_file)
+        limits.begin(model)  # what else is needed can wait
+        with importing():
+            from drystone.analysis.driver import pushover
+            from drystone.cli.compiler import compiling
+            from drystone.common.progress import progress_for
+            from drystone.io.results.folder import check_apart, check_writable
+            from drystone.model.inspection import inspect
+            from drystone.report.folder.directory import ResultsDirectory, files_of
         check_writable(folder)  # better known before the work
         check_apart(model_file, files_of(folder))
         tell([f"warning: {problem}" for problem in inspect(model).problems])
@@ -167,16 +168,14 @@ def run(
             raise typer.Exit(run_directions(model, number, folder, asked, **options))
         wanted = engine or model.analysis.engine
         with compiling(wanted, model.assembly.dimension, quiet=quiet or as_json):
-            model = limits.begin(model)
+            model = limits.to_trace()
             with ResultsDirectory(
                 folder,
                 mechanism_displacement=mechanism_at,
                 beside=limits.found,
-                aside=aside,
+                aside=limits.aside,
                 formats=formats,
             ) as results:
-                from drystone.analysis.driver import pushover
-
                 try:
                     stop = model.analysis.stop_multiplier
                     with progress_for(model_file.stem, stop, quiet=quiet) as progress:
@@ -194,13 +193,14 @@ def run(
     raise typer.Exit(code)
 
 
-def _aside(directions: str | None) -> AbstractContextManager[Aside | None]:
-    """A process beside the run, where that has a processor left."""
-    from drystone.common.aside import Aside
-
-    if directions is not None:  # they take all there are
-        return nullcontext()
-    return Aside.where_it_helps() or nullcontext()
+def _beginning(context: typer.Context, directions: str | None) -> Limits:
+    """Limit analysis by the process that `main` has started, or by one that is started now."""
+    begun: Limits | None = context.obj
+    if directions is None:
+        return begun or Limits.where_it_helps()
+    if begun is not None and begun.aside is not None:  # directions take all processors
+        begun.aside.end()
+    return Limits(None)
 
 
 def _refuse_beside_resume(**given: object) -> None:

@@ -15,6 +15,7 @@ import os
 import stat
 import tempfile
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def provide() -> None:
     global note
     IndexDataCacheFile._data_name = _name_by_process
     kernels = sources()
-    made_from = _made_from(kernels)
+    made_from = digest_of(_made_from(kernels))
     try:
         folders = _folders(kernels)
     except RuntimeError:
@@ -61,12 +62,20 @@ def provide() -> None:
     for folder in folders.values():
         discard_outdated(folder, made_from)
     if (PACKAGE / FOLDER).is_dir():  # of a wheel that was built so
-        _look_into(Shipped.of(folders, PACKAGE, digest_of(made_from)))
+        _look_into(Shipped.of(folders, PACKAGE, made_from))
 
 
+@cache
 def sources() -> list[Path]:
     """Files of the package that hold kernels."""
-    return [p for p in sorted(PACKAGE.rglob("*.py")) if IMPORT in p.read_bytes()]
+    # Each command reads all files of the package here: `Path.rglob` would take three times as long.
+    names = [os.path.join(top, name) for top, _, files in os.walk(PACKAGE) for name in files]
+    return sorted(Path(name) for name in names if name.endswith(".py") and _holds_kernels(name))
+
+
+def _holds_kernels(file: str) -> bool:
+    with open(file, "rb", buffering=0) as stream:
+        return IMPORT in stream.read()
 
 
 def modules() -> list[str]:
@@ -123,9 +132,10 @@ def _look_into(shipped: Shipped | None) -> None:
     IndexDataCacheFile.load = load
 
 
-def discard_outdated(folder: Path, sources: list[Path]) -> None:
-    """Delete the kernels compiled into a folder where they were made from other sources."""
-    digest, stamp = digest_of(sources), folder / STAMP
+def discard_outdated(folder: Path, digest: str) -> None:
+    """Delete the kernels compiled into a folder, unless they were made from the sources that have
+    this digest, see `digest_of`."""
+    stamp = folder / STAMP
     with suppress(OSError):  # what cannot be written cannot be out of date either
         if stamp.is_file() and stamp.read_text() == digest:
             return

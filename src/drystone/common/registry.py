@@ -7,8 +7,10 @@ points of the registry's group, by which other packages add things of their own.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
@@ -24,12 +26,18 @@ class RegistryError(ValueError):
 
 def outside(group: str) -> dict[str, EntryPoint]:
     """Entry points of other packages in a group, by name; of two with one name the first found."""
-    from importlib.metadata import entry_points  # takes longer than all the rest here
-
     found: dict[str, EntryPoint] = {}
-    for entry in entry_points(group=group):
+    for entry in _entry_points(tuple(sys.path)).select(group=group):
         found.setdefault(entry.name, entry)
     return found
+
+
+@lru_cache(maxsize=1)
+def _entry_points(path: tuple[str, ...]) -> Any:  # of another class before Python 3.12
+    """Those of all packages on a path, which is `sys.path`: files of each are read for them."""
+    from importlib.metadata import entry_points  # takes longer than all the rest here
+
+    return entry_points()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
-from drystone.limit import interior_point
 from drystone.limit.cone_program import force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
@@ -72,6 +71,8 @@ def fall(equilibrium: Equilibrium) -> Array:
     what need not fall does not move.  It is the dual of balancing the dead load with as little help
     from outside as possible, a force and a moment on each block.
     """
+    from drystone.limit import interior_point  # takes long; what stands does without
+
     regions = Regions.of(equilibrium)
     n_amounts, n_rows = regions.combination.shape[1], len(equilibrium.dead)
     n_shared, n_blocks = regions.sharing.shape[0], equilibrium.assembly.n_blocks

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drystone.common.importing import importing
 from drystone.common.ranges import most_blocks
 from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
 
@@ -136,9 +137,10 @@ def on_what_moves(model: Model, beside: Beside | None = None) -> Model:
 
 def made_ready() -> None:
     """Import what limit analysis needs, in a process that is going to be asked for it."""
-    import highspy  # noqa: F401
+    with importing():
+        import highspy  # noqa: F401
 
-    import drystone.limit.watch  # noqa: F401
+        import drystone.limit.watch  # noqa: F401
 
 
 def moving_control(model: Model) -> ControlPoint | None:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
-from drystone.limit import interior_point
 from drystone.limit.cones import Regions
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, OPTIMAL, Answer
@@ -33,6 +32,8 @@ def from_inside(
 
     None where it does not come to an end: then there may be no s, or none may be too large.
     """
+    from drystone.limit import interior_point  # takes long; small structures do without
+
     n_amounts, n_shared = regions.combination.shape[1], regions.sharing.shape[0]
     n_rows, scale = len(right), equilibrium.assembly.n_blocks
     matrix = hstack([equilibrium.matrix @ regions.combination, csc_array(column[:, None])])

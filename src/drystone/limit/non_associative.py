@@ -43,7 +43,6 @@ from numpy.typing import NDArray
 from drystone.limit.associative import is_large
 from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
-from drystone.limit.coulomb_path import follow
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
@@ -181,6 +180,8 @@ def _from_smooth(
     equilibrium: Equilibrium, slope: Array, settings: NonAssociativeSettings, n_paths: int
 ) -> Paths:
     """From smoothed problems of several weights to collapse states, until there are enough."""
+    from drystone.limit.coulomb_path import follow  # takes long; small structures do without
+
     flowing = replace(equilibrium, points=replace(equilibrium.points, dilatancy=slope))
     states: list[State] = []
     unbounded = failed = work = 0

@@ -11,7 +11,7 @@ import io
 import warnings
 from html import escape
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 from drystone.common.language import current, with_mark
 from drystone.model.construction.words import printable
@@ -22,6 +22,12 @@ if TYPE_CHECKING:
 
 #: Resolution of every figure [dots per inch].
 RESOLUTION = 150
+#: What files of a format are written with.  Compression 3 of 9 makes PNG twice as fast as the usual
+#: 6, and a tenth larger.
+_OF_FORMAT: dict[str, dict[str, Any]] = {
+    "png": {"pil_kwargs": {"compress_level": 3}},
+    "svg": {"metadata": {"Date": None}},
+}
 #: Letters of a title.
 LONGEST = 100
 
@@ -36,9 +42,16 @@ BACKING = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none
 
 
 def made_ready() -> None:
-    """Import what draws, before there is anything to draw."""
-    import matplotlib.backends.backend_agg
-    import matplotlib.figure  # noqa: F401
+    """Import what draws and draw a letter, before there is anything to draw.
+
+    With the first letter fonts are read, and what reads formulas is made.
+    """
+    import matplotlib.backends.backend_agg  # noqa: F401
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1.0, 1.0))
+    figure.text(0.0, 0.0, "$λ$")
+    save(figure, io.BytesIO())
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -74,7 +87,7 @@ def save(
             format=format,
             dpi=resolution,
             facecolor="white",
-            metadata={"Date": None} if format == "svg" else None,
+            **_OF_FORMAT.get(format, {}),
         )
 
 

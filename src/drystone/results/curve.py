@@ -194,11 +194,11 @@ class KeptContacts(Sequence[ContactForces]):
     def __getitem__(self, index: int) -> ContactForces: ...
 
     @overload
-    def __getitem__(self, index: slice) -> list[ContactForces]: ...
+    def __getitem__(self, index: slice) -> KeptContacts: ...
 
-    def __getitem__(self, index: int | slice) -> ContactForces | list[ContactForces]:
+    def __getitem__(self, index: int | slice) -> ContactForces | KeptContacts:
         if isinstance(index, slice):
-            return [self._contacts(state) for state in self._states[index]]
+            return KeptContacts(self._states[index], self._contacts)
         return self._contacts(self._states[index])
 
     def __reduce__(self) -> tuple[Any, ...]:

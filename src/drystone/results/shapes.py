@@ -49,6 +49,11 @@ class MovingShapes:
         """Row of the block that each vertex belongs to, (n_vertices,)."""
         return np.repeat(self.body, np.diff(self.offset))
 
+    @cached_property
+    def _first(self) -> IntArray:
+        """First vertex of each block, (n,)."""
+        return np.searchsorted(self.owner, np.arange(len(self.centroid)))
+
     def moved(self, pose: Array) -> Array:
         """All vertices in the poses (n, n_pose), (n_vertices, dim) [m]."""
         return moved_points(self.vertices, self.owner, self.centroid, pose, linear=self.linear)
@@ -61,9 +66,12 @@ class MovingShapes:
         """Largest displacement of a vertex of each block, (n,) [m], from the poses ``since``, or
         from the designed places."""
         start = self.vertices if since is None else self.moved(since)
-        distance = np.linalg.norm(self.moved(pose) - start, axis=1)
-        first = np.searchsorted(self.owner, np.arange(len(self.centroid)))
-        return np.asarray(np.maximum.reduceat(distance, first))
+        return self.largest(self.moved(pose) - start)
+
+    def largest(self, away: Array) -> Array:
+        """Largest displacement of a vertex of each block, (n,) [m], of those of all vertices
+        (n_vertices, dim)."""
+        return np.asarray(np.maximum.reduceat(np.linalg.norm(away, axis=1), self._first))
 
     def size(self) -> float:
         """The longest side of the box around all blocks [m]."""

@@ -246,14 +246,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         it."""
         return max(outcome.inertia_ratio, outcome.acceleration) <= self.settings.inertia_limit
 
-    def _missed(self, state: EquilibriumState) -> bool:
-        """Whether blocks overlap that were no pair."""
-        if not state.prepared.detector.outdated(state.pairs, state.pose):
+    @staticmethod
+    def _missed(before: EquilibriumState, after: EquilibriumState) -> bool:
+        """Whether blocks overlap that were no pair before pairs were found anew."""
+        if after.pairs is before.pairs:
             return False
-        pairs = state.prepared.detector.pairs(state.pose, state.departed)
-        new = predecessor_pairs(state.pairs, pairs) < 0
-        slots = state.prepared.detector.find(pairs, state.pose)
-        return bool((slots.gap[new[pairs.of_slot]] < 0.0).any())
+        new = predecessor_pairs(before.pairs, after.pairs) < 0
+        return bool((after.slots.gap[new[after.pairs.of_slot]] < 0.0).any())
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
         """Contact points and reactions of a state: those that are in balance."""
@@ -374,8 +373,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 n_iterations=solved.n_iterations,
                 path=StepPath(fold=solved.fold),
             )
-        new, outcome = self._accept(own, state, solved, h, demand)
-        if self._missed(new):
+        accepted, outcome = self._accept(own, state, solved, h, demand)
+        new = self._refresh(accepted)
+        if self._missed(accepted, new):
             return state, StepReport(
                 converged=False,
                 reason="blocks meet that were far apart",

@@ -281,6 +281,10 @@ class StaticStep(ABC):
     def balance(self, reaction: Array) -> float:
         """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
         self._sum_forces(reaction)
+        return self._balance()
+
+    def _balance(self) -> float:
+        """The same, the contacts' forces having been summed."""
         c = self.loads
         if c.ties:
             c.ties.act(self._pose_now())

@@ -266,11 +266,3 @@ class JoinedTies:
             part[elsewhere[:, side], rows, :] = 0.0
             part[elsewhere[:, side], :, rows] = 0.0
         return part
-
-    def pull_on(self, found: Array, motion: Array, force: Array) -> None:
-        """Add minus stiffnesses times a motion (n, n_dof) to forces (n, n_dof)."""
-        nd = motion.shape[1]
-        both = motion[self.body].reshape(len(self.body), 2 * nd)
-        change = np.einsum("kij,kj->ki", found, both)
-        np.subtract.at(force, self.body[:, 0], change[:, :nd])
-        np.subtract.at(force, self.body[:, 1], change[:, nd:])

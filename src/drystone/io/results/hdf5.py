@@ -35,6 +35,7 @@ import hashlib
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 from uuid import uuid4
@@ -476,13 +477,17 @@ class ResultsReader:
             branch=values["branch"].astype(np.int64),
         )
 
+    @cached_property
+    def _poses(self) -> h5py.Dataset:
+        return self._file["poses"]  # to look it up takes longer than to read one point of it
+
     def poses(self) -> Array:
         """Poses of the blocks at all points, (n_points, n, n_pose)."""
-        return np.asarray(self._file["poses"][: self.n_points])
+        return np.asarray(self._poses[: self.n_points])
 
     def pose(self, k: int) -> Array:
         """Poses of the blocks at point ``k``, (n, n_pose)."""
-        return np.asarray(self._file["poses"][k])
+        return np.asarray(self._poses[k])
 
     def blocks(self) -> dict[str, NDArray[Any]]:
         """What the file tells of the blocks, by the names of the module's description."""

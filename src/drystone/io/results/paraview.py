@@ -109,7 +109,7 @@ class BlockFrames:
 
     def __init__(self, assembly: Assembly, initial: Array | None = None) -> None:
         self._shapes = shapes = MovingShapes.of(assembly)
-        self._initial = initial
+        self._start = shapes.vertices if initial is None else shapes.moved(initial)
         self._fixed = assembly.fixed
         self._compliance = compliance(shapes, initial, assembly.fixed)
         if faces := assembly.packed.face_arrays:
@@ -128,7 +128,7 @@ class BlockFrames:
         space a vector."""
         shapes = self._shapes
         points = shapes.moved(pose)
-        displacement = shapes.displacement(pose, self._initial)
+        displacement = shapes.largest(points - self._start)
         moving = moving_blocks(displacement, self._fixed, self._compliance)
         away = points - shapes.vertices
         displacement = motion.translations(pose)[shapes.body]

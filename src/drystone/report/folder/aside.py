@@ -6,6 +6,7 @@ from concurrent.futures import Future
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from drystone.common.importing import importing
 from drystone.io.results.outputs import Finished, written_of
 
 if TYPE_CHECKING:
@@ -14,10 +15,15 @@ if TYPE_CHECKING:
 
 def made_ready() -> None:
     """In the process: import what draws, which takes long, before there is anything to draw."""
-    from drystone.report import canvas
-    from drystone.report.folder import pictures  # noqa: F401
+    with importing():
+        import drystone.io.results.hdf5
+        import drystone.report.curve_figure
+        import drystone.report.mechanism_figure  # noqa: F401
+        from drystone.io.results.outputs import OUTPUTS
+        from drystone.report import canvas
 
-    canvas.made_ready()
+        dict(OUTPUTS.own())
+        canvas.made_ready()
 
 
 def drawn(done: Finished, language: str) -> bool:

@@ -97,7 +97,7 @@ def _kept(folder: Path, stored: ResultsReader) -> Kept:
             checkpoint=checkpoint,
             points=stored.points()[:n],
             poses=stored.poses()[:n],
-            contacts=StoredContacts(folder / RESULTS, n),
+            contacts=StoredContacts(folder / RESULTS, range(n)),
             ties=None if ties is None else ties.until(n),
         )
     status = stored.attribute("status")

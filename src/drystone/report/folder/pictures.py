@@ -10,10 +10,9 @@ import numpy as np
 from drystone.io.results.folder import whole_file
 from drystone.io.results.names import CURVE_FIGURE, FORMATS, MECHANISM_FIGURE
 from drystone.io.results.outputs import Finished, Output
-from drystone.report import Mechanism, canvas, draw_curve, draw_mechanism
-from drystone.report.mechanism import readable_magnification
-from drystone.report.quantities import state_text
 from drystone.results.curve import CapacityCurve, CurvePoint
+
+# What draws takes long to import, and a run may leave it to another process.
 
 #: Control displacement [m] of the mechanism's picture, the published one.
 MECHANISM_DISPLACEMENT = 0.2
@@ -22,6 +21,8 @@ MECHANISM_OPTION = "mechanism_displacement"
 
 
 def _draw_curve(done: Finished, keys: Mapping[str, Any]) -> None:
+    from drystone.report.curve_figure import draw_curve
+
     for format in done.formats:
         with whole_file((done.folder / CURVE_FIGURE).with_suffix(f".{format}")) as draft:
             draw_curve(
@@ -34,6 +35,9 @@ def _draw_curve(done: Finished, keys: Mapping[str, Any]) -> None:
 
 
 def _draw_mechanism(done: Finished, keys: Mapping[str, Any]) -> None:
+    from drystone.report.mechanism import Mechanism, readable_magnification
+    from drystone.report.mechanism_figure import draw_mechanism
+
     model, curve, results = done.model, done.curve, done.results
     assert results is not None
     wanted = done.mechanism_displacement
@@ -72,6 +76,9 @@ def mechanism_row(curve: CapacityCurve, control_displacement: float) -> int:
 
 def mechanism_title(title: str, curve: CapacityCurve, point: CurvePoint) -> str:
     """What a picture shows: the point's own displacement, not the one that was asked for."""
+    from drystone.report import canvas
+    from drystone.report.quantities import state_text
+
     values = state_text(curve, point)
     return f"{canvas.literal(title)}: {values}" if title else values
 

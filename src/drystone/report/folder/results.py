@@ -129,7 +129,7 @@ def load_results(path: Path | str) -> Results:
     try:
         with ResultsReader(file) as stored:
             model = model_of(stored)
-            curve = _curve_of(stored, StoredContacts(file, stored.n_points), model)
+            curve = _curve_of(stored, StoredContacts(file, range(stored.n_points)), model)
             curve = _ended(curve, folder, str(stored.attribute("model_sha256")))
             groups: dict[str, Any] = Named("group", stored.groups())
             digest, part_of = str(stored.attribute("model_sha256")), stored.part_of()

@@ -17,25 +17,25 @@ from drystone.model.model import Model
 class StoredContacts(Sequence[ContactForces]):
     """Contact forces of a ``results.h5``, one point at a time: together they may be gigabytes."""
 
-    def __init__(self, path: Path, count: int) -> None:
-        self._path, self._count = path, count
+    def __init__(self, path: Path, rows: range) -> None:
+        self._path, self._rows = path, rows
 
     def within(self, folder: Path) -> bool:
         """Whether they are those of that folder of results."""
         return self._path.resolve() == (folder / RESULTS).resolve()
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._rows)
 
     @overload
     def __getitem__(self, k: int) -> ContactForces: ...
     @overload
-    def __getitem__(self, k: slice) -> Sequence[ContactForces]: ...
-    def __getitem__(self, k: int | slice) -> ContactForces | Sequence[ContactForces]:
-        rows = range(self._count)[k]  # raises IndexError, counts from the end
+    def __getitem__(self, k: slice) -> StoredContacts: ...
+    def __getitem__(self, k: int | slice) -> ContactForces | StoredContacts:
+        rows = self._rows[k]  # raises IndexError, counts from the end
+        if isinstance(rows, range):
+            return StoredContacts(self._path, rows)
         with ResultsReader(self._path) as file:
-            if isinstance(rows, range):
-                return [file.contacts(row) for row in rows]
             return file.contacts(rows)
 
 

@@ -11,17 +11,18 @@ from pathlib import Path
 from typing import Any, Self
 
 from drystone.io.results.checkpoint import CheckpointError, read_plan, write_plan
+from drystone.io.results.folder import FolderLock, OutputError
 from drystone.io.results.own_files import check_free, clear
 from drystone.model.model import Model
 
-#: A folder that is there while a process takes over: whoever makes it is alone.
+#: A folder that is locked while a process takes over.  It stays until all directions have ended.
 CLAIM = ".takes-over"
 #: Seconds until a process that waits for another looks again.
 WAIT = 0.01
 
 
 def clear_claim(folder: Path) -> None:
-    """Remove what processes that were killed have left in a folder that this process holds."""
+    """Remove the claim from a folder that this process holds, once no direction needs it."""
     with suppress(OSError):
         (folder / CLAIM).rmdir()
 
@@ -69,15 +70,16 @@ class TakingOver:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
+        """Hold the claim; a process that is killed meanwhile lets it go."""
         claim = self.folder / CLAIM
+        claim.mkdir(exist_ok=True)
         while True:
             try:
-                claim.mkdir()
+                lock = FolderLock(claim)
                 break
-            except FileExistsError:
+            except OutputError:
                 time.sleep(WAIT)
         try:
             yield
         finally:
-            with suppress(OSError):  # the folder was removed
-                claim.rmdir()
+            lock.release()

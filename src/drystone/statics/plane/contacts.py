@@ -7,6 +7,8 @@ second derivatives of g and s.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,15 +28,66 @@ from drystone.contact.contacts import (
     STIFF_T,
     TRIAL_N,
     TRIAL_T,
-    A,
-    B,
+    Pairs,
+    Slots,
 )
+from drystone.contact.plane.narrow import Bodies, World, follow_contacts
 from drystone.contact.plane.rows import N_DOF, add_force, along, gradients, second_derivatives
 from drystone.contact.plane.rows import slip as slip_of
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law.columns import DILATION, SHEAR
+from drystone.law.plane import choose, respond
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class Beginning(NamedTuple):
+    """Where a step begins, and the features by which it follows contacts."""
+
+    bodies: Bodies
+    world: World  # scratch
+    pose: Array  # (n, 3)
+    pairs: Pairs
+    known: Slots  # features
+    history: Array  # (n_slots, N_HISTORY), what contacts bring along; see `law.plane.remember`
+    there: BoolArray  # (n_slots,) contacts that are there at the beginning
+    # (n_slots, dim, 2 n_dof) of these: gradients of the slip that hold for the step.  Others slip
+    # by the exact distance.
+    lines: Array
+
+
+class Answer(NamedTuple):
+    """What contacts do, each row for one in use; arrays have room for all slots."""
+
+    trial: Array  # (n_slots, 3) N
+    branch: IntArray  # (n_slots,)
+    reaction: Array  # (n_slots, 3) N
+    response: Array  # (n_slots, 3, 3) derivatives of the reactions by the trial ones
+
+
+@njit(cache=True, error_model="numpy")
+def locate_at(begin, x, now, slots, contacts, count, trial):
+    """Contacts at increments ``x`` (n, n_dof), and their trial reactions; see `locate`.
+
+    ``now`` (n, 3) is filled with the poses there, ``slots`` with the contacts.
+    """
+    for i in range(x.shape[0]):
+        for d in range(x.shape[1]):
+            now[i, d] = begin.pose[i, d] + x[i, d]
+    follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, slots)
+    locate(slots, begin.history, begin.there, begin.lines, contacts, count, x, trial)
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(begin, x, now, slots, contacts, count, answer, force):
+    """Contacts at increments ``x``, their reactions, and what these do to the bodies, (n, n_dof);
+    see `locate_at`."""
+    locate_at(begin, x, now, slots, contacts, count, answer.trial)
+    choose(contacts.table, 0, count, answer.branch)
+    respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
+    sum_forces(contacts, count, answer.reaction, force)
 
 
 @njit(cache=True, error_model="numpy")
@@ -155,19 +208,19 @@ def add_blocks(hess, a, b, p, diagonal, upper, lower):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(contacts, count, pairs, reaction, response, geometric, motion, force, tangent):
+def assemble(contacts, count, pair_bodies, reaction, response, geometric, motion, force, tangent):
     """Forces of all contacts that respond as given, and the tangent of minus them.
 
     Parameters
     ----------
     contacts, count
         Packed, see `contact.contacts`.
-    pairs
-        All of them.
+    pair_bodies
+        (n_pairs, 2) bodies of all pairs of the matrix.
     reaction, response
         (n_slots, 3) and (n_slots, 3, 3), see `law.plane.respond`.
     geometric
-        `Tangent`, see `geometric_stiffness`.
+        `Tangent` of what does not depend on the branches; see `geometric_stiffness`.
     motion
         (n, n_dof) from where the table was made to where the response belongs.
     force
@@ -177,7 +230,6 @@ def assemble(contacts, count, pairs, reaction, response, geometric, motion, forc
     """
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     bent, above, below = geometric.diagonal, geometric.upper, geometric.lower
-    of_pair = pairs.which
     which, rows, table = contacts
     for body in range(motion.shape[0]):
         for i in range(N_DOF):
@@ -185,9 +237,9 @@ def assemble(contacts, count, pairs, reaction, response, geometric, motion, forc
             for j in range(N_DOF):
                 force[body, i] -= bent[body, i, j] * motion[body, j]
                 diagonal[body, i, j] = bent[body, i, j]
-    for p in range(of_pair.shape[0]):
-        a = of_pair[p, A]
-        b = of_pair[p, B]
+    for p in range(pair_bodies.shape[0]):
+        a = pair_bodies[p, 0]
+        b = pair_bodies[p, 1]
         for i in range(N_DOF):
             for j in range(N_DOF):
                 force[a, i] -= above[p, i, j] * motion[b, j]
@@ -202,6 +254,8 @@ def assemble(contacts, count, pairs, reaction, response, geometric, motion, forc
         kn, kt = table[c, STIFF_N], table[c, STIFF_T]
         nn, nt = kn * response[c, 0, 0], kt * response[c, 0, 1]
         tn, tt = kn * response[c, 1, 0], kt * response[c, 1, 1]
+        if rn == rt == nn == nt == tn == tt == 0.0:  # it is open
+            continue
         for i in range(2 * N_DOF):
             by_gap = rows[c, OF_GAP, i] * nn + rows[c, OF_SLIP, i] * tn
             by_slip = rows[c, OF_GAP, i] * nt + rows[c, OF_SLIP, i] * tt
@@ -209,3 +263,21 @@ def assemble(contacts, count, pairs, reaction, response, geometric, motion, forc
                 hess[i, j] = by_gap * rows[c, OF_GAP, j] + by_slip * rows[c, MEASURED, j]
         add_force(rows, c, rn, rt, a, b, force)
         add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)
+
+
+@njit(cache=True, error_model="numpy")
+def respond_along(contacts, count, pair_bodies, answer, geometric, motion, force, tangent):
+    """Forces, and tangent, of contacts that stay in their branches where the trial reactions have
+    moved on; see `assemble`."""
+    respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
+    assemble(
+        contacts,
+        count,
+        pair_bodies,
+        answer.reaction,
+        answer.response,
+        geometric,
+        motion,
+        force,
+        tangent,
+    )

@@ -144,12 +144,11 @@ class _Walk:
         self.left, self.changes = 1.0, 0
         self.patience = int(settings.changes * step.n)
         step.bordered.sense[0] = 1.0
-        step.linearise_here()
 
     def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
         """How it ends, and where: from the first fold on by the implicit law."""
         step, worth = self.step, self.settings.worth
-        step.move_trial(x - self.geometry)
+        step.linearise_here(x - self.geometry)
         trial, end = x.copy(), path.RENEW
         while end == path.RENEW:
             if not self.whole and np.isfinite(step.bordered.fold[0]):

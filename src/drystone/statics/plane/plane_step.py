@@ -10,6 +10,7 @@ from drystone.common.tolerances import SINGULAR
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import narrow, rows
+from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.law import plane as plane_law
 from drystone.law.branches import OPEN
 from drystone.statics.constants import Accuracy, Constants
@@ -46,8 +47,26 @@ class PlaneStep(StaticStep):
         self.lines = np.zeros((pairs.n_slots, 2, 2 * n_dof))
         #: Contacts that were there when the step began, (n_slots,), and those shut then.
         self.there, self.closed = np.zeros((2, pairs.n_slots), np.bool_)
-        self.geometric = Tangent.zeros(n, pairs.n_pairs, n_dof)
-        self.nowhere, self.linear_force = np.zeros((2, n, n_dof))
+        joined = self.joined or pairs
+        self.pair_bodies = np.column_stack(
+            (joined.a, joined.b)
+        )  # bodies of all pairs of the matrix
+        self.geometric = Tangent.zeros(n, len(self.pair_bodies), n_dof)
+        #: Where blocks are; forces that do not depend on the contacts, where pieces are linear.
+        self.now, self.held, self.nowhere, self.unused = np.zeros((4, n, n_dof))
+        places = constants.detector.narrow
+        assert isinstance(places, PlaneNarrowPhase)
+        self.begins = contacts.Beginning(
+            bodies=places.bodies,
+            world=places.world,
+            pose=np.zeros((n, n_dof)),
+            pairs=pairs,
+            known=self.known,
+            history=self.history_before,
+            there=self.there,
+            lines=self.lines,
+        )
+        self.answer = contacts.Answer(self.trial, self.branch, self.reaction, self.response)
         #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
         self.kept = np.zeros(pairs.n_pairs, np.int64)
 
@@ -76,6 +95,7 @@ class PlaneStep(StaticStep):
         detector = self.constants.detector
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
+        self.begins.pose[:] = self.pose
         half = detector.assembly.moved(self.pose, 0.5 * guess)
         detector.follow(self.pairs, half, self.known, self.slots)
         rows.slot_rows(self.slots, self.lines)
@@ -96,12 +116,9 @@ class PlaneStep(StaticStep):
         return self.constants.detector.farthest(self.pose)
 
     def _locate_all(self) -> None:
-        pose = self._pose_now()
-        self.constants.detector.follow(self.pairs, pose, self.known, self.slots)
-        contacts.locate(
-            self.slots, self.history_before, self.there, self.lines, self.contacts, self.n, self.x,
-            self.trial,
-        )  # fmt: skip
+        contacts.locate_at(
+            self.begins, self.x, self.now, self.slots, self.contacts, self.n, self.trial
+        )
 
     def _respond(self, low: int, high: int) -> None:
         first, last = self.first[low], self.first[high]
@@ -113,18 +130,14 @@ class PlaneStep(StaticStep):
 
     def _stiffen(self, reaction: Array) -> None:
         self._bend(reaction)
-        self._linear_forces(reaction, self.nowhere)
+        contacts.assemble(
+            self.contacts, self.n, self.pair_bodies, reaction, self.response, self.geometric,
+            self.nowhere, self.unused, self.tangent,
+        )  # fmt: skip
 
     def _bend(self, reaction: Array) -> None:
         """Make the geometric stiffness that of reactions (n_slots, 3 or more)."""
         contacts.geometric_stiffness(self.slots, self.contacts, self.n, reaction, self.geometric)
-
-    def _linear_forces(self, reaction: Array, away: Array) -> None:
-        """Stiffness, and forces of contacts where blocks have moved on by ``away`` (n, n_dof)."""
-        contacts.assemble(
-            self.contacts, self.n, self.pairs, reaction, self.response, self.geometric, away,
-            self.linear_force, self.tangent,
-        )  # fmt: skip
 
     def _rates(self, direction: Array) -> None:
         contacts.rates(self.contacts, self.n, direction, self.by_motion)
@@ -140,19 +153,28 @@ class PlaneStep(StaticStep):
 
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
-        self.restart(x, multiplier)
-        self.respond()
-        self.balance(self.reaction)
+        self.x[:], self.multiplier = x, multiplier
+        contacts.evaluate(
+            self.begins, self.x, self.now, self.slots, self.contacts, self.n, self.answer,
+            self.contact_force,
+        )  # fmt: skip
+        self._balance()
 
-    def linearise_here(self) -> None:
-        """Make linear pieces those of where the step is: reactions are the law's, as evaluated."""
+    def linearise_here(self, motion: Array) -> None:
+        """Make linear pieces those of where the step is: reactions are the law's, as evaluated.
+
+        Trial reactions move on by ``motion`` (n, n_dof), linearly.
+        """
         self._bend(self.reaction)
+        contacts.move_trial(*self.contacts, self.n, motion)
         ties, acting = self.loads.ties, self.loads.acting
-        self.turning = acting.stiffness(self._pose_now(), self.multiplier) if acting else None
-        if ties:
-            self.pulls = np.zeros_like(self.force)
-            ties.add_to(self.pulls)
-            self.tie_stiffness = ties.stiffness()
+        if acting:
+            turning = acting.stiffness(self._pose_now(), self.multiplier)
+            self.geometric.diagonal[:, 2:, 2:] += turning
+        if ties and self.joined:
+            self.held[:] = 0.0
+            ties.add_to(self.held)
+            self.joined.stiffen(self.geometric, ties.stiffness())
 
     def follow_from(self, x: Array, multiplier: float, away: Array, gradient: Array | None) -> bool:
         """Factorise the tangent of the branches as they are; False if it is singular.
@@ -160,28 +182,17 @@ class PlaneStep(StaticStep):
         The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
         n_dof) from where the pieces are linear.
         """
-        plane_law.respond(self.table, 0, self.n, self.branch, self.reaction, self.response)
-        self._linear_forces(self.reaction, away)
-        self.contact_force[:] = self.linear_force
-        dead = self.dead
-        if self.joined is not None:
-            self.joined.clear(self.tangent, self.pairs.n_pairs)
-            self.joined.stiffen(self.tangent, self.tie_stiffness)
-            self.contact_force += self.pulls
-            self.joined.pull_on(self.tie_stiffness, away, self.contact_force)
-        if self.turning is not None:
-            self.tangent.diagonal[:, 2:, 2:] += self.turning
-            dead = dead.copy()
-            dead[:, 2] -= np.ravel(self.turning) * away[:, 2]
+        contacts.respond_along(
+            self.contacts, self.n, self.pair_bodies, self.answer, self.geometric, away,
+            self.contact_force, self.tangent,
+        )  # fmt: skip
+        if self.joined:
+            self.contact_force += self.held
         self.x[:], self.multiplier = x, multiplier
-        self.residual = self._unbalance(dead)
+        self.residual = self._unbalance(self.dead)
         self.damping[:] = 0.0
         self._factorise(gradient, 0.0)
         return abs(self.pivot) > SINGULAR
-
-    def move_trial(self, motion: Array) -> None:
-        """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), linearly."""
-        contacts.move_trial(*self.contacts, self.n, motion)
 
     def advance(
         self, x: Array, lag: float, begin: path.PathPoint, rules: path.Rules
