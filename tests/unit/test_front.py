@@ -132,7 +132,7 @@ class TestGiven:
         assert turned.load_along.tolist() == [-1.0, 0.0]
         assert turned.sha256 == model.with_load(direction=(-1, 0)).sha256
         for wrong in ("mass", 3.0):
-            with pytest.raises(ds.ModelError, match=r"must be a pattern: give one, as ds\.MassPattern"):
+            with pytest.raises(ds.ModelError, match=r"a pattern: give one, as ds\.MassPattern"):
                 model.with_load(wrong)
             with pytest.raises(ds.ModelError, match="must be a pattern"):
                 small_wall(load=wrong, load_direction=None)

@@ -59,7 +59,7 @@ class Beginning(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What contacts do, each row for one in use; arrays have room for all slots."""
+    """What contacts do, each row for one in use; arrays are as long as all slots."""
 
     trial: Array  # (n_slots, 3) N
     branch: IntArray  # (n_slots,)
