@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import time
 from collections.abc import Callable
@@ -21,6 +22,9 @@ COMPILE = "numba:compile"  # what is loaded from the cache on disk is no such ev
 class Compilation(event.Listener):
     """Times what is compiled inside a ``with`` statement, and tells when it begins.
 
+    No garbage is looked for while a kernel is compiled: the compiler makes millions of objects, and
+    looking through them takes a tenth of the time.
+
     Parameters
     ----------
     begun
@@ -31,6 +35,7 @@ class Compilation(event.Listener):
         self._begun = begun
         self._depth = 0  # a kernel is compiled inside the one that calls it
         self._start = 0.0
+        self._collects = True  # whether garbage was looked for before
         self.seconds = 0.0
         self.n_kernels = 0
 
@@ -40,6 +45,8 @@ class Compilation(event.Listener):
             self._begun()
         if not self._depth:
             self._start = time.perf_counter()
+            self._collects = gc.isenabled()
+            gc.disable()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -48,6 +55,8 @@ class Compilation(event.Listener):
         self.n_kernels += 1
         if not self._depth:
             self.seconds += time.perf_counter() - self._start
+            if self._collects:
+                gc.enable()
 
     def __enter__(self) -> Self:
         event.register(COMPILE, self)
