@@ -35,7 +35,6 @@ class Compilation(event.Listener):
         self._begun = begun
         self._depth = 0  # a kernel is compiled inside the one that calls it
         self._start = 0.0
-        self._collects = True  # whether garbage was looked for before
         self.seconds = 0.0
         self.n_kernels = 0
 
@@ -45,8 +44,7 @@ class Compilation(event.Listener):
             self._begun()
         if not self._depth:
             self._start = time.perf_counter()
-            self._collects = gc.isenabled()
-            gc.disable()
+            _Garbage.leave()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -55,8 +53,7 @@ class Compilation(event.Listener):
         self.n_kernels += 1
         if not self._depth:
             self.seconds += time.perf_counter() - self._start
-            if self._collects:
-                gc.enable()
+            _Garbage.look_for()
 
     def __enter__(self) -> Self:
         event.register(COMPILE, self)
@@ -69,6 +66,26 @@ class Compilation(event.Listener):
         trace: TracebackType | None,
     ) -> None:
         event.unregister(COMPILE, self)
+
+
+class _Garbage:
+    """Left alone from the first of those that are told of a kernel to the last."""
+
+    told = 0  # those that have been told that one is compiled, and not yet that it is done
+    looked_for = True  # before
+
+    @classmethod
+    def leave(cls) -> None:
+        if not cls.told:
+            cls.looked_for = gc.isenabled()
+            gc.disable()
+        cls.told += 1
+
+    @classmethod
+    def look_for(cls) -> None:
+        cls.told -= 1
+        if not cls.told and cls.looked_for:
+            gc.enable()
 
 
 def rehearse(run: Callable[[], object]) -> list[tuple[Any, tuple[Any, ...]]]:
