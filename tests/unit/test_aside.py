@@ -122,6 +122,17 @@ def test_a_process_that_is_killed_costs_nothing(model_file, tmp_path, monkeypatc
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
+@pytest.mark.parametrize(
+    "arguments", [["--resume", "nowhere"], ["nothing.toml", "--directions", "both"]]
+)
+def test_a_run_that_has_no_use_for_the_process_ends_it(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    begun = Limits(Aside())
+    result = CliRunner().invoke(app, ["run", *arguments], obj=begun)
+    assert result.exit_code == 2  # there is no such folder, and no such file
+    assert begun.aside._process.poll() is not None
+
+
 def test_who_does_not_wait_for_limit_analysis_keeps_the_curve(monkeypatch):
     """Ctrl-C while the curve is traced and the process still looks for multipliers."""
     limits = Limits(None)

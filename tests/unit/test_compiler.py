@@ -1,5 +1,6 @@
 """The first run: the notice, the time apart, the process that helps."""
 
+import gc
 import json
 import os
 import subprocess
@@ -14,6 +15,7 @@ import drystone as ds
 from builders import stack
 from drystone.cli import app, compiler
 from drystone.cli.outcome import tell
+from drystone.common.importing import importing
 
 
 @pytest.fixture(autouse=True)
@@ -64,6 +66,33 @@ def test_compilation_is_told_once_and_timed_with_what_is_inside(slow_to_compile)
     assert compilation.n_kernels >= 2
     # One after the other is told of each kernel, microseconds apart.
     assert 0.0 < curve.compile_time <= compilation.seconds + 1e-3
+
+
+def test_garbage_is_left_alone_while_a_kernel_is_compiled():
+    """Also where one `Compilation` stands within another, as in a command's analysis."""
+    seen = []
+
+    class Watcher(ds.Compilation):
+        def on_end(self, event):
+            seen.append(gc.isenabled())
+            super().on_end(event)
+
+    @njit
+    def kernel(x):
+        return x + 1
+
+    with ds.Compilation(), Watcher() as inner:
+        kernel(1)
+    assert inner.n_kernels == 1
+    assert seen == [False]
+    assert gc.isenabled()
+
+
+def test_garbage_is_left_alone_while_modules_are_imported():
+    with importing():
+        assert not gc.isenabled()
+    assert gc.isenabled()
+    gc.unfreeze()  # for other tests of this process
 
 
 def test_time_of_compilation_is_not_in_the_wall_time(slow_to_compile, monkeypatch):

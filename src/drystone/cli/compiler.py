@@ -94,10 +94,11 @@ def _processors() -> int:
 
 def compile_backwards(engine: str, dimension: int) -> None:
     """Compile what a run needs, what is needed last first."""
-    from drystone.common.compilation import rehearse
+    from drystone.common.compilation import Compilation, rehearse
 
-    for kernel, types in reversed(rehearse(lambda: _small_run(engine, dimension))):
-        kernel.compile(types)
+    with Compilation():
+        for kernel, types in reversed(rehearse(lambda: _small_run(engine, dimension))):
+            kernel.compile(types)
 
 
 def _small_run(engine: str, dimension: int) -> None:

@@ -51,6 +51,10 @@ class Limits:
         return self
 
     def __exit__(self, *error: object) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """End the process, if there is one, with what it does."""
         if self.aside is not None:
             self.aside.end()
 

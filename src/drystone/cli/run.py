@@ -131,6 +131,7 @@ def run(
     if resume is not None:
         from drystone.cli.resuming import ends_of, resume_run
 
+        _end_begun(context)
         _refuse_beside_resume(engine=engine, out=out, strategy=strategy, directions=directions)
         asked = Asked(None, None, mechanism_at, formats)
         ends = ends_of(extend or ())
@@ -195,12 +196,18 @@ def run(
 
 def _beginning(context: typer.Context, directions: str | None) -> Limits:
     """Limit analysis by the process that `main` has started, or by one that is started now."""
-    begun: Limits | None = context.obj
     if directions is None:
+        begun: Limits | None = context.obj
         return begun or Limits.where_it_helps()
-    if begun is not None and begun.aside is not None:  # directions take all processors
-        begun.aside.end()
+    _end_begun(context)  # directions take all processors
     return Limits(None)
+
+
+def _end_begun(context: typer.Context) -> None:
+    """End the process that `main` has started, where it is of no use."""
+    begun: Limits | None = context.obj
+    if begun is not None:
+        begun.end()
 
 
 def _refuse_beside_resume(**given: object) -> None:

@@ -31,7 +31,9 @@ class Histories(NamedTuple):
     @classmethod
     def own(cls, slots: Slots, history: Array, reaction: Array, branch: IntArray) -> Histories:
         """Those of contacts that have inherited nothing yet."""
-        return cls(slots, history, reaction, branch, np.arange(len(branch)))
+        # In one piece, as all that follow are: kernels are compiled for each layout.
+        whole = np.ascontiguousarray(reaction)
+        return cls(slots, history, whole, branch, np.arange(len(branch)))
 
     def of(
         self, values: NDArray[Number], otherwise: float | NDArray[Number] = 0

@@ -131,7 +131,7 @@ def multiply_rows(dof, block, c, at, stride, m, scratch):
             x[k] = -y[k]
             y[k] = 0.0
     flat = block.reshape(nd * nd)
-    subtract_product(c, (at, stride), flat, (0, nd, 1), scratch, (0, m), (nd, nd, m))
+    subtract_product(c, (at, stride), flat, (0, nd, np.int64(1)), scratch, (0, m), (nd, nd, m))
 
 
 @njit(cache=True, error_model="numpy")
@@ -246,6 +246,7 @@ def factorise_fronts(
     order, fronts = structure.order, structure.fronts
     panels, inverse, work = factors
     scratch = work[scratch_at:]
+    one = np.int64(1)  # with a plain 1, a type of its own, `subtract_product` is compiled twice
     smallest, sign = 1.0, 1.0
     for s in range(low, high):
         assemble(structure, s, diagonal, upper, lower, factors)
@@ -283,15 +284,15 @@ def factorise_fronts(
             multiply_rows(structure.dof, block, panels, at + nd, m, ahead, scratch)
             below = at + nd * m
             subtract_product(
-                panels, (below + nd, m), panels, (below, m, 1), panels, (at + nd, m),
+                panels, (below + nd, m), panels, (below, m, one), panels, (at + nd, m),
                 (nd * (w - k - 1), nd, ahead),
             )  # fmt: skip
             subtract_product(
-                panels, (columns + nd * k * q, q), panels, (rows + nd * k, 1, m),
+                panels, (columns + nd * k * q, q), panels, (rows + nd * k, one, m),
                 panels, (columns, q), (nd, nd * k, q),
             )  # fmt: skip
         subtract_product(
-            work, (fronts[s, UPDATE], q), panels, (columns, 1, q), panels, (rows + nd * w, m),
+            work, (fronts[s, UPDATE], q), panels, (columns, one, q), panels, (rows + nd * w, m),
             (q, nd * w, q),
         )  # fmt: skip
     return sign * smallest
@@ -318,21 +319,14 @@ def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
 
 
 @njit(cache=True, error_model="numpy")
-def _subtract_known(panels, at, stride, known, rest, d):
-    """Subtract from six unknowns what known ones add to their rows: as many sums at once as hide
-    each other's waiting."""
+def _subtract_known(panels, at, stride, known, rest):
+    """Subtract from the first six unknowns what known ones add to their rows: as many sums at once
+    as hide each other's waiting."""
     m = known.shape[0]
     u0, u1, u2 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
     at += 3 * stride
     u3, u4, u5 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
-    s0, s1, s2, s3, s4, s5 = (
-        rest[d],
-        rest[d + 1],
-        rest[d + 2],
-        rest[d + 3],
-        rest[d + 4],
-        rest[d + 5],
-    )
+    s0, s1, s2, s3, s4, s5 = rest[0], rest[1], rest[2], rest[3], rest[4], rest[5]
     for j in range(m):
         x = known[j]
         s0 -= u0[j] * x
@@ -341,14 +335,7 @@ def _subtract_known(panels, at, stride, known, rest, d):
         s3 -= u3[j] * x
         s4 -= u4[j] * x
         s5 -= u5[j] * x
-    rest[d], rest[d + 1], rest[d + 2], rest[d + 3], rest[d + 4], rest[d + 5] = (
-        s0,
-        s1,
-        s2,
-        s3,
-        s4,
-        s5,
-    )
+    rest[0], rest[1], rest[2], rest[3], rest[4], rest[5] = s0, s1, s2, s3, s4, s5
 
 
 @njit(cache=True, error_model="numpy")
@@ -390,7 +377,7 @@ def solve(structure, factors, rhs):
                 for d in range(nd):
                     t[d] = x[body, d]
                 if nd == 2 * TILE:
-                    _subtract_known(panels, rows + k * m, m, y[:k], t, 0)
+                    _subtract_known(panels, rows + k * m, m, y[:k], t)
                 else:
                     for d in range(nd):
                         left = panels[rows + (k + d) * m : rows + (k + d) * m + k]
@@ -430,7 +417,7 @@ def solve(structure, factors, rhs):
                 known = y[k:]
                 at = fronts[s, PANEL] + nd * i * m + k
                 if nd == 2 * TILE:
-                    _subtract_known(panels, at, m, known, y, nd * i)
+                    _subtract_known(panels, at, m, known, y[nd * i :])
                 else:
                     _subtract_sums(panels, at, m, known, y, nd * i)
                 for d in range(nd):
