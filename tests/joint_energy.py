@@ -126,15 +126,19 @@ class _Watched(EquilibriumEngine):
 
     def taken(self) -> list[_Step]:
         """The steps that led to the last state, the first one last."""
-        steps, state = [], self.reached
-        while True:
-            if id(state) in self.steps:
-                steps.append(self.steps[id(state)][1])
-                state = steps[-1].old
-            elif id(state) in self.made_of:
-                state = self.made_of[id(state)][1]
-            else:
-                return steps
+        steps, last = [], self._last_to(self.reached)
+        while last is not None:
+            steps.append(last)
+            last = self._last_to(last.old)
+        return steps
+
+    def _last_to(self, state: EquilibriumState) -> _Step | None:
+        """The step that led to a state, whose pairs may have been found anew since."""
+        while id(state) not in self.steps:
+            if id(state) not in self.made_of:
+                return None
+            state = self.made_of[id(state)][1]
+        return self.steps[id(state)][1]
 
     def again(self, step: _Step, parts: int) -> list[_Step]:
         """The same step in equal parts; whole where one of them finds no equilibrium."""
@@ -144,7 +148,7 @@ class _Watched(EquilibriumEngine):
             state, report = super().step(state, share)
             if not report.converged or report.dynamic:
                 return [step]
-            taken.append(self.steps[id(state)][1])
+            taken.append(self._last_to(state))
         return taken
 
     def _area(self, slots) -> Array:

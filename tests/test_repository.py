@@ -142,7 +142,8 @@ def well_formed(address: str) -> bool:
 
 
 def test_addresses_of_the_web_are_well_formed():
-    files = [*LINKED, ROOT / "CITATION.cff", *ROOT.glob("**/pyproject.toml")]
+    own = [ROOT / "CITATION.cff", ROOT / "pyproject.toml", *ROOT.glob("plugins/*/pyproject.toml")]
+    files = [*LINKED, *own]
     found = {
         (file.name, address)
         for file in files
@@ -278,4 +279,7 @@ def test_unit_tests_of_kernels_also_run_interpreted():
         text = path.read_text(encoding="utf-8")
         if kernels & imported(text) and path.name not in compiler:
             assert "pytestmark = pytest.mark.kernels" in text, path.name
-    assert 'NUMBA_DISABLE_JIT=1 python -m pytest -n 2 -m "kernels' in (ROOT / "check").read_text()
+    assert (
+        'NUMBA_DISABLE_JIT=1 python -m pytest -n 2 --dist worksteal -m "kernels'
+        in (ROOT / "check").read_text()
+    )

@@ -540,7 +540,7 @@ def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monk
         titles.append(title)
         path.touch()
 
-    monkeypatch.setattr("drystone.report.folder.pictures.draw_mechanism", draw)
+    monkeypatch.setattr("drystone.report.mechanism_figure.draw_mechanism", draw)
     synthetic.record(ResultsDirectory(tmp_path), model, curve)
     synthetic.record(ResultsDirectory(tmp_path, mechanism_displacement=0.1), model, curve)
     option = synthetic.wall_model(mechanism_displacement=0.3)

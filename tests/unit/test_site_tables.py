@@ -250,7 +250,7 @@ def test_files_outside_of_the_folder_are_not_named(tmp_path, name, place):
         "import[1]": f'[[import]]\nfile = "{name}"\nformat = "obj"\nunit = "m"\n',
     }[place]
     with pytest.raises(
-        ModelError, match=r"lies outside of the model file's folder|is no path"
+        ModelError, match=r"lies outside of the model file's folder|is not the path of a file"
     ) as told:
         read(tmp_path / "model", table)
     assert place in str(told.value)

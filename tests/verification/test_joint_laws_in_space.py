@@ -21,6 +21,7 @@ from test_joint_laws import joint
 import drystone as ds
 import solids
 from builders import stack
+from drystone.common.tolerances import DISTINCT_RESIDUAL
 from drystone.model.joint_law import JointLaw
 
 B, D, H = 0.8, 0.5, 0.1  # m
@@ -149,7 +150,8 @@ class TestPressed:
         moved, force = pushed((0, 0, -1), 1e-6, 2e-5, compressive_strength=self.strength)
         expected = AREA * np.minimum(STIFFNESS * moved, self.strength)
         assert force == pytest.approx(expected, rel=1e-4, abs=1e-4 * WEIGHT)
-        assert force[-1] == pytest.approx(AREA * self.strength, rel=1e-6)
+        # The joint yields at its strength; the block is balanced to what the engine promises.
+        assert force[-1] == pytest.approx(AREA * self.strength, abs=DISTINCT_RESIDUAL * WEIGHT)
 
     def test_it_softens(self):
         energy = 20.0
