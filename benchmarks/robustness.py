@@ -179,7 +179,7 @@ def run(kind: str, seed: int, by: str, settings: Any, limit: int) -> Run:
         n_points=len(curve.points),
         n_dynamic=len(curve.points) - len(still),
         n_unstable=sum(point.unstable for point in still),
-        unbalanced=(beyond := len(unbalanced(curve, max(leaves, balance_of(model, curve))))),
+        unbalanced=(beyond := len(unbalanced(curve, max(leaves, balance_of(model))))),
         rounded=len(unbalanced(curve)) - beyond,
         last_at_rest=still[-1].load_multiplier if still else 0.0,
     )

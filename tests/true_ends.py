@@ -28,20 +28,19 @@ def unbalanced(curve: CapacityCurve, most: float = BALANCED) -> list[CurvePoint]
     return [point for point in at_rest(curve) if not point.residual <= most]
 
 
-def balance_of(model: Model, curve: CapacityCurve) -> float:
-    """Residual over the heaviest weight that a point at rest of a curve may leave.
+def balance_of(model: Model) -> float:
+    """Residual over the heaviest weight that a point at rest of a model may leave.
 
     `BALANCED`, or what rounding leaves where joints are stiff: a gap is a difference of coordinates
-    of up to L, the extent of the structure and how far it has moved, and known to 4 eps L; a joint
-    of area A, as long as the smallest block, makes a force of k A 4 eps L of it, k being the larger
-    of both stiffnesses.  No more than the engine takes for solved.
+    of up to L, the extent of the structure, and known to 4 eps L; a joint of area A, as long as the
+    smallest block, makes a force of k A 4 eps L of it, k being the larger of both stiffnesses.  No
+    more than the engine takes for solved.
     """
     a = model.assembly
     laws = [a.joint, *a.joint_between.values()]
     stiffest = max(max(law.normal_stiffness or 0.0, law.shear_stiffness or 0.0) for law in laws)
     area = a.smallest_extent * (a.thickness if a.dimension == 2 else a.smallest_extent)
     extent = float(np.ptp(a.centroid[~a.fixed], axis=0).max()) + a.smallest_extent
-    extent += max((abs(point.control_displacement) for point in curve.points), default=0.0)
     rounding = 4.0 * np.finfo(float).eps * extent * stiffest * area / float(a.heaviest_weight)
     return min(max(BALANCED, rounding), COARSEST)
 

@@ -41,7 +41,7 @@ def traced(seed: int) -> CapacityCurve:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_point_at_rest_is_balanced(seed):
     """As far as rounding lets it: `true_ends.balance_of` derives the bound."""
-    points, most = at_rest(traced(seed)), balance_of(random_solids(seed), traced(seed))
+    points, most = at_rest(traced(seed)), balance_of(random_solids(seed))
     assert points
     assert max(point.residual for point in points) <= most
     assert max(point.inertia_ratio for point in points) <= AT_REST

@@ -43,9 +43,8 @@ def small(kind: str, k: int) -> tuple[int, ds.Model]:
 def what_is_wrong(model: ds.Model) -> str:
     """With the curve of a model; nothing where it ends truly and rests in balance, as far as
     rounding lets it: `true_ends.balance_of` derives the bound."""
-    steps = MOST_STEPS[model.assembly.dimension]
+    steps, most = MOST_STEPS[model.assembly.dimension], balance_of(model)
     curve = ds.pushover(model, engine="equilibrium", progress=False, max_steps=steps)
-    most = balance_of(model, curve)
     left = {point.step: point.residual for point in unbalanced(curve, most)}
     return why_no_end(curve) or (f"residuals above {most:.1e} by step: {left}" if left else "")
 
