@@ -286,7 +286,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """One implicit step from rest; see `Engine.step`."""
         farthest = self.settings.max_motion * state.prepared.assembly.smallest_extent
         if state.prepared.gives_way:
-            steps, state = self._bond_steps(state.prepared, demand, farthest), self._refresh(state)
+            steps = self._bond_steps(state.prepared, demand, farthest)
             prescribes = demand.increment is not None or demand.settlement is not None
             free = not prescribes or demand.time_step > 0.0
             new, outcome = steps.again(state) if free else steps.advance(state)
@@ -348,7 +348,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         self, state: EquilibriumState, demand: Demand, farthest: float
     ) -> tuple[EquilibriumState, StepReport]:
         """A step that fails where a block moves by more than ``farthest`` [m]."""
-        state = self._refresh(state)
         own = self.equations_of(state)
         prescribed = self._prescribed(state, demand)
         h = demand.time_step or self.settings.static_time_step
