@@ -191,7 +191,7 @@ class ResultsWriter:
 
     def flush(self) -> None:
         """Write what waits and bring it to the disk; raises `OSError` where that takes no more."""
-        begun = time.monotonic()
+        begun, has_points = time.monotonic(), bool(self._points)
         with uninterrupted():
             self._lay_down()
             self._file.flush()
@@ -200,8 +200,9 @@ class ResultsWriter:
             except OSError:
                 self.whole = False
                 raise
-        self._written = time.monotonic()
-        self._pause = max(SECONDS, TIMES * (self._written - begun))
+        if has_points:  # else it says nothing of how long points take
+            self._written = time.monotonic()
+            self._pause = max(SECONDS, TIMES * (self._written - begun))
         self.n_kept = self._n_points
 
     def move(self, path: Path) -> None:
