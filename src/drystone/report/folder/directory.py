@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Seconds between two checkpoints: at least these, and as many times those that one takes, so that
-#: they cost a hundredth of the run; at most those, of work that a kill may cost beside the step
-#: that it cuts off.
+#: Seconds before a checkpoint, from the begin of the run or the checkpoint before: at least these,
+#: and as many times those that one takes, so that they cost a hundredth of the run; at most those,
+#: of work that a kill may cost beside the step that it cuts off.
 SECONDS, TIMES, MOST_SECONDS = 5.0, 100.0, 15.0
 #: Name of results before their first point is on the disk.
 DRAFT = RESULTS + ".part"
@@ -133,6 +133,7 @@ class ResultsDirectory:
     def begin(self, model: Model, engine: str, strategy: str) -> None:
         """Take note of what is analysed."""
         self._model, self._names = model, (engine, strategy)
+        self._keeps_at = time.monotonic() + SECONDS
         check_apart(model.source, files_of(self.path))
         if self._kept is not None and self._kept.past is not None:
             n_points = self._kept.past.checkpoint.n_points
