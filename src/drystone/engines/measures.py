@@ -140,11 +140,12 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # (F.x + r_F) (lambda - lambda_s) = x.M a + r_a.  Where r_F takes all of F.x, joints jam.
     # Forces that turn with the bodies by R up to the step's end are so much more of a load there.
     (of_load, of_inertia, of_turned), least = outcome.friction, ACROSS_THE_LOAD * strokes
+    turned = outcome.turned
     if (push + of_load) * push > 0.0 and abs(push + of_load) > least:
-        push, resistance = push + of_load, resistance + of_inertia
+        push, resistance, turned = push + of_load, resistance + of_inertia, turned + of_turned
     tells = abs(push) > least
     excess = resistance / push if tells else 0.0
-    fall = (outcome.turned + of_turned) / push if tells else 0.0
+    fall = turned / push if tells else 0.0
     settlement, reaction = problem.settlement, 0.0
     applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
