@@ -16,32 +16,39 @@ Array = NDArray[np.float64]
 
 #: A control point that the mechanism moves by less than this share of its fastest block is still.
 STILL = 1e-3
+#: Speed, over that of the mechanism's fastest block, up to which nothing moves along a direction.
+STILL_SPEED = 1e-6
+#: Speeds, over the fastest, and heights, over the smallest block, that differ by less are equal:
+#: linear programs are solved to 1e-7.
+EQUAL = 1e-6
 
 
 def watched(model: Model) -> Model:
     """The model with its control point where its mechanism moves fastest along that direction.
 
-    Where one part falls beside another, a control point on the latter would not show the fall.  Of
-    points that are equally fast the first is taken; where nothing moves along the direction, or no
-    mechanism is found, the control point stays."""
+    Where one part falls beside another, a control point on the latter would not show the fall.
+    Where nothing moves along the direction, or no mechanism is found, the control point stays."""
     velocities = collapse_load(model, flow=ASSOCIATIVE).velocities
     return replace(model, control_point=fastest_point(model, velocities))
 
 
 def fastest_point(model: Model, velocities: Array) -> ControlPoint:
-    """The control point where a mechanism (n, n_dof) moves fastest along the control direction."""
+    """The control point where a mechanism (n, n_dof) moves fastest along the control direction.
+
+    Of points that are equally fast, as those of a block that slides, the highest is taken: where
+    the block topples later, that one goes on, and one below turns back.
+    """
     assembly, control = model.assembly, model.control_point
-    fastest = 0.0
-    for row, block in enumerate(assembly.blocks):
-        points = np.asarray(block.vertices, float)
-        owner = np.full(len(points), row)
-        there = moved_points(points, owner, assembly.centroid, velocities, linear=True)
-        speed = (there - points) @ control.direction
-        k = int(np.argmax(speed))
-        if speed[k] > fastest + 1e-6:  # of equal ones the first, whatever the rounding
-            fastest = float(speed[k])
-            control = replace(control, block=row, point=block.vertices[k])
-    return control
+    outlines = [np.asarray(block.vertices, float) for block in assembly.blocks]
+    owner, points = np.repeat(range(len(outlines)), [*map(len, outlines)]), np.concatenate(outlines)
+    there = moved_points(points, owner, assembly.centroid, velocities, linear=True)
+    speed = (there - points) @ control.direction
+    fastest = float(speed.max())
+    if fastest <= STILL_SPEED:
+        return control
+    height = np.where(speed >= (1.0 - EQUAL) * fastest, points @ assembly.up, -np.inf)
+    k = int(np.argmax(height >= height.max() - EQUAL * assembly.smallest_extent))  # the first
+    return replace(control, block=int(owner[k]), point=points[k])
 
 
 def leaves_still(model: Model, velocities: Array) -> bool:
