@@ -75,15 +75,15 @@ def test_no_capacity_lies_above_the_bound_untold(made, seed):
     assert told is None or any(cause in told for cause in CAUSES), told
 
 
-@pytest.mark.parametrize("seed", [15, 50, 81, 85, 110, 141, 145])
+@pytest.mark.parametrize("seed", [21, 61, 81, 101, 106, 116, 141])
 def test_what_a_motion_carries_against_the_mechanism_is_below_the_bound(seed):
-    """Seven of 150 lie above by 2e-4 to 8e-3: excesses set more in motion than has to move."""
+    """Seven of 150 lie above by 2e-3 to 6e-3: excesses set more in motion than has to move."""
     *_, told = above("space", seed)
     assert told is not None and "because it is read off a motion" in told
     model = random_solids(seed)
     size = model.assembly.smallest_extent
     # Longer time steps need a smaller excess for the same motion.
-    slower = ds.pushover(model, max_displacement=0.1 * size, max_steps=MOST_STEPS, time_step=3.0)
+    slower = ds.pushover(model, max_displacement=0.1 * size, max_steps=MOST_STEPS, time_step=6.0)
     assert not limits_beside(model).is_exceeded(slower)
 
 

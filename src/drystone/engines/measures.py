@@ -139,10 +139,9 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     # it friction changes by its work r_F of one F and r_a of M a, so that
     # (F.x + r_F) (lambda - lambda_s) = x.M a + r_a.  Where r_F takes all of F.x, joints jam.
     # Forces that turn with the bodies by R up to the step's end are so much more of a load there.
-    (of_load, of_inertia, of_turned), least = outcome.friction, ACROSS_THE_LOAD * strokes
-    turned = outcome.turned
-    if (push + of_load) * push > 0.0 and abs(push + of_load) > least:
-        push, resistance, turned = push + of_load, resistance + of_inertia, turned + of_turned
+    least = ACROSS_THE_LOAD * strokes
+    of_load, of_inertia, of_turned = _friction_of(outcome, push, least)
+    push, resistance, turned = push + of_load, resistance + of_inertia, outcome.turned + of_turned
     tells = abs(push) > least
     excess = resistance / push if tells else 0.0
     fall = turned / push if tells else 0.0
@@ -174,6 +173,13 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_iterations=outcome.n_iterations,
         dynamic=fastest > ACCELERATION_LIMIT * GRAVITY,
     )
+
+
+def _friction_of(outcome: StepOutcome, push: float, least: float) -> Sequence[float]:
+    """The work of friction of a step, see `StepOutcome.friction`; zeros where joints jam."""
+    of_load = outcome.friction[0]
+    jams = (push + of_load) * push <= 0.0 or abs(push + of_load) <= least
+    return (0.0, 0.0, 0.0) if jams else outcome.friction
 
 
 def unstable_sentence(problem: Problem, motion: Array) -> str:
