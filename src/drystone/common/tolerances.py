@@ -475,6 +475,10 @@ MANY_SHORTER = 0.7
 #: halved, by -5 % where doubled.
 JUMP_TIME_STEP = 0.1
 
+#: Of the highest multiplier so far, by which the load grows at most in a step where the control
+#: point turns back before the peak.  Not measured.
+LOAD_SHARE = 0.05
+
 #: Least time step of a jump over the first.  Range: no peak.
 LEAST_JUMP = 1e-4
 

@@ -128,6 +128,9 @@ class DisplacementState:
     n_since: int = LONG_AGO  # steps since one failed
     # s, last time step of the jump that seems to be over; 0 once a static step has followed
     jump_end_step: float = 0.0
+    load_increment: float = 0.0  # of a step with a given multiplier; 0 where displacements are
+    loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows
+    next_load: float = 0.0  # increment with which it grows next, until a displacement succeeds
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
 
@@ -153,6 +156,8 @@ class DisplacementControl:
     def _demand(self, state: DisplacementState) -> Demand:
         if state.released:
             return Demand(multiplier=0.0)
+        if state.load_increment:
+            return Demand(multiplier=state.last + state.load_increment)
         if state.time_step == 0.0:
             return Demand(
                 increment=state.increment,
@@ -183,6 +188,8 @@ class DisplacementControl:
         """Try again with less where a step fails; else go on."""
         if state.released:
             return self._begin_again(state, report)
+        if state.load_increment:
+            return self._under_load(state, report)
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
         if self._thrown_back(state, report) or self._falls_freely(report):
@@ -208,6 +215,7 @@ class DisplacementControl:
             released=back and not state.time_step,
             last=multiplier,
             slope=(multiplier - state.last) / advanced if advanced and not state.time_step else 0.0,
+            next_load=0.0,
         )
         over = self._over(state, report)
         if over is None:
@@ -243,6 +251,47 @@ class DisplacementControl:
             demand=self._demand(state),
             state=state,
             dynamic_multipliers=_dynamic_multipliers(report),
+        )
+
+    def _under_load(
+        self, state: DisplacementState, report: StepReport
+    ) -> Decision[DisplacementState]:
+        """The load grows on where the control point turns back before the peak.
+
+        As soon as the control point is beyond the fold again, displacements are prescribed once
+        more; and where no smaller growth of the load finds an equilibrium near by, which is the
+        peak.
+        """
+        s = self.settings
+        near = report.motion <= s.displacement_step and not report.dynamic
+        if not (report.converged and near):
+            less = 0.5 * state.load_increment
+            if less < s.peak_share * self._scale(state):
+                state = self._in_motion(changed(state, load_increment=0.0))
+            else:
+                state = changed(state, load_increment=less)
+            return Decision(accept=False, demand=self._demand(state), state=state)
+        multiplier, there = report.static_multiplier, report.control_displacement
+        beyond = there > state.loaded_from
+        more = min(2.0 * state.load_increment, tolerances.LOAD_SHARE * self._scale(state))
+        state = changed(
+            state,
+            n_steps=state.n_steps + 1,
+            last=multiplier,
+            highest=max(multiplier, state.highest),
+            highest_at=there,
+            load_increment=0.0 if beyond else more,
+            next_load=more,
+            stage=FOLLOWING if beyond else state.stage,
+        )
+        over = self._over(state, report)
+        return Decision(
+            accept=True,
+            demand=None if over else self._demand(state),
+            state=state,
+            load_multiplier=multiplier,
+            reason=over.reason if over else "",
+            finished=over is not None and over.finished,
         )
 
     def _scale(self, state: DisplacementState) -> float:
@@ -421,13 +470,7 @@ class DisplacementControl:
         return below and report.path.overshoot is None
 
     def _retry(self, state: DisplacementState, report: StepReport) -> Decision[DisplacementState]:
-        s = self.settings
-        floor = s.floor_share * s.displacement_step
-        if state.last == state.highest:
-            floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
-            if state.slope > 0.0:  # a crossing hides no more than a bend may
-                steepest = tolerances.CROSSING * state.slope
-                floor = min(floor, s.bend_share * self._carried(state) / steepest)
+        s, floor = self.settings, self._floor(state)
         if state.time_step:
             if s.smooth:
                 state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
@@ -443,10 +486,11 @@ class DisplacementControl:
         elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
             # The step has followed the collapse itself: there is nothing to creep through.
             return self._lost(state, report, report.reason)
+        elif state.stage == CROSSING and state.last == state.highest:
+            load = max(s.peak_share * self._scale(state), state.next_load)
+            state = changed(state, load_increment=load, loaded_from=state.highest_at)
         elif state.stage == CROSSING:
-            # A jump that seemed to be over was not: something moves slowly yet.
-            time_step = max(s.time_step, tolerances.JUMP_GROWTH * state.jump_end_step)
-            state = changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
+            state = self._in_motion(state)
         else:
             state = changed(state, n_since=0)
             share = report.path.fold[0] if report.path.fold else 0.5
@@ -458,6 +502,24 @@ class DisplacementControl:
             else:
                 state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
+
+    def _in_motion(self, state: DisplacementState) -> DisplacementState:
+        """The state from which a jump is followed: the first, or one that seemed to be over and was
+        not, as something moves slowly yet."""
+        longer = tolerances.JUMP_GROWTH * state.jump_end_step
+        time_step = max(self.settings.time_step, longer)
+        return changed(state, stage=FOLLOWING, time_step=time_step, n_since=LONG_AGO)
+
+    def _floor(self, state: DisplacementState) -> float:
+        """The smallest increment that is tried along the path."""
+        s = self.settings
+        floor = s.floor_share * s.displacement_step
+        if state.last == state.highest:
+            floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
+            if state.slope > 0.0:  # a crossing hides no more than a bend may
+                steepest = tolerances.CROSSING * state.slope
+                floor = min(floor, s.bend_share * self._carried(state) / steepest)
+        return floor
 
     def _lost(
         self, state: DisplacementState, report: StepReport, reason: str

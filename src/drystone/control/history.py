@@ -180,10 +180,11 @@ class HistoryControl(DisplacementControl):
         """In the structure's sense, no farther than to the displacement of the leg."""
         assert isinstance(state, HistoryState)
         demand, targets = super()._demand(state), self.settings.targets
+        sense = state.leg.sense(targets)
         if demand.increment is None:
-            return demand
+            return changed(demand, multiplier=sense * (demand.multiplier or 0.0))
         increment = min(demand.increment, max(state.leg.left(targets), 0.0))
-        return changed(demand, increment=state.leg.sense(targets) * increment)
+        return changed(demand, increment=sense * increment)
 
     def decide(
         self, state: DisplacementState, demand: Demand, report: StepReport
