@@ -278,6 +278,7 @@ class DisplacementControl:
             state,
             n_steps=state.n_steps + 1,
             last=multiplier,
+            slope=0.0,
             highest=max(multiplier, state.highest),
             highest_at=there,
             load_increment=0.0 if beyond else more,
