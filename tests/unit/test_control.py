@@ -984,7 +984,7 @@ class TestEveryStrategy:
         one, two = (
             trace(SlidingStructure(prescribes=prescribes), strategy).points for _ in range(2)
         )
-        assert one == two
+        assert repr(one) == repr(two)  # exact, and a NaN is one
 
     @STRATEGIES
     def test_an_engine_that_gives_up_keeps_the_curve(self, strategy, prescribes):
