@@ -283,7 +283,7 @@ class DisplacementControl:
             highest_at=there,
             load_increment=0.0 if beyond else more,
             next_load=more,
-            stage=FOLLOWING if beyond else state.stage,
+            stage=FOLLOWING,
         )
         over = self._over(state, report)
         return Decision(

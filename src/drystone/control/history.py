@@ -182,7 +182,7 @@ class HistoryControl(DisplacementControl):
         demand, targets = super()._demand(state), self.settings.targets
         sense = state.leg.sense(targets)
         if demand.increment is None:
-            return changed(demand, multiplier=sense * (demand.multiplier or 0.0))
+            return changed(demand, multiplier=0.0 + sense * (demand.multiplier or 0.0))
         increment = min(demand.increment, max(state.leg.left(targets), 0.0))
         return changed(demand, increment=sense * increment)
 
