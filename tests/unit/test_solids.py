@@ -24,6 +24,7 @@ from drystone.geometry.space.solid import (
     sum_of,
     turned_out,
 )
+from drystone.model.assembly import Block
 
 # Sums of a few dozen products of numbers of order one: some hundred rounding errors at most.
 ROUNDING = 1e-13
@@ -358,6 +359,14 @@ def test_convexity():
     assert is_convex(vertices, halves) and not is_plain(vertices, halves)
     (part,) = convex_parts(vertices, halves)
     assert len(part.faces) == 6
+
+
+@pytest.mark.parametrize("rows", [list, np.array])
+def test_faces_of_a_block_may_be_any_rows(rows):
+    vertices, faces = box([(0.0, 0.0, 0.0), (1.0, 2.0, 3.0)])
+    given = rows([list(face) for face in faces])
+    block = Block(id="a", vertices=vertices, faces=given, unit_weight=1.0)
+    assert block.faces == faces and block.figure().volume == pytest.approx(6.0)
 
 
 def test_a_thousand_boxes_are_quick():

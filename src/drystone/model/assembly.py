@@ -96,6 +96,9 @@ class Block:
     def __post_init__(self) -> None:
         if not isinstance(self.vertices, np.ndarray):
             object.__setattr__(self, "vertices", np.array(self.vertices, np.float64))
+        rows = self.faces
+        if not (isinstance(rows, tuple) and all(isinstance(face, tuple) for face in rows)):
+            object.__setattr__(self, "faces", tuple(tuple(map(int, face)) for face in rows))
 
     @classmethod
     def of_parts(cls, parts: Sequence[Part], **values: Any) -> Block:
