@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 import drystone as ds
 from drystone.limit import on_what_moves
 from random_kinds import KINDS
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_the_peak_is_the_same_wherever_the_path_turns_back():
@@ -22,3 +27,14 @@ def test_the_peak_is_the_same_wherever_the_path_turns_back():
     assert curve.capacity.load_multiplier == pytest.approx(known, rel=2e-3)
     rising = [p for p in curve.points if p.load_multiplier <= curve.capacity.load_multiplier][:20]
     assert all(point.status == "static" for point in rising)
+
+
+def test_a_history_holds_its_displacement_where_the_path_turns_back():
+    """The gate's path turns back at 0.39 mm: in each leg the control point goes one way alone."""
+    targets = [0.002, -0.002]
+    model = ds.read_model(EXAMPLES / "gate.toml").with_history(targets)
+    displacement = ds.pushover(model).control_displacement
+    turn = int(displacement.argmax())
+    assert displacement[turn] == pytest.approx(targets[0], abs=1e-9)
+    assert np.all(np.diff(displacement[: turn + 1]) > 0.0)
+    assert np.all(np.diff(displacement[turn:]) < 0.0)

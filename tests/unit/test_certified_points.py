@@ -57,7 +57,10 @@ class Stub(Engine):
         )  # fmt: skip
 
     def step(self, state, demand):
-        reached = state.reached + demand.increment
+        if demand.increment is None:
+            reached = 0.01 * demand.multiplier
+        else:
+            reached = state.reached + demand.increment
         return State(state.pose, reached), self._report(reached)
 
 

@@ -487,7 +487,7 @@ class DisplacementControl:
         elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
             # The step has followed the collapse itself: there is nothing to creep through.
             return self._lost(state, report, report.reason)
-        elif state.stage == CROSSING and state.last == state.highest:
+        elif state.stage == CROSSING and self._load_grows_on(state):
             load = max(s.peak_share * self._scale(state), state.next_load)
             state = changed(state, load_increment=load, loaded_from=state.highest_at)
         elif state.stage == CROSSING:
@@ -503,6 +503,10 @@ class DisplacementControl:
             else:
                 state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
         return Decision(accept=False, demand=self._demand(state), state=state)
+
+    def _load_grows_on(self, state: DisplacementState) -> bool:
+        """Whether a larger load is tried where no displacement ahead has an equilibrium."""
+        return state.last == state.highest
 
     def _in_motion(self, state: DisplacementState) -> DisplacementState:
         """The state from which a jump is followed: the first, or one that seemed to be over and was

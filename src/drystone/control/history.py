@@ -180,11 +180,10 @@ class HistoryControl(DisplacementControl):
         """In the structure's sense, no farther than to the displacement of the leg."""
         assert isinstance(state, HistoryState)
         demand, targets = super()._demand(state), self.settings.targets
-        sense = state.leg.sense(targets)
         if demand.increment is None:
-            return changed(demand, multiplier=0.0 + sense * (demand.multiplier or 0.0))
+            return demand
         increment = min(demand.increment, max(state.leg.left(targets), 0.0))
-        return changed(demand, increment=sense * increment)
+        return changed(demand, increment=state.leg.sense(targets) * increment)
 
     def decide(
         self, state: DisplacementState, demand: Demand, report: StepReport
@@ -246,6 +245,9 @@ class HistoryControl(DisplacementControl):
         """Of all legs."""
         assert isinstance(state, HistoryState)
         return max(state.highest, state.leg.largest)
+
+    def _load_grows_on(self, state: DisplacementState) -> bool:
+        return False  # the displacement is held, and a return that nobody asked for is no cycle
 
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         return False  # where the control point is, the history says
