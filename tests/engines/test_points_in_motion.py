@@ -13,12 +13,14 @@ import drystone as ds
 from builders import rectangle
 from drystone.common.tolerances import BETWEEN_POINTS
 from drystone.geometry.motion import translations
+from drystone.limit import on_what_moves
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 from drystone.results.curve import DYNAMIC, STATIC
 from drystone.results.events import EventKind
+from random_kinds import KINDS
 
 CASES = Path(__file__).parents[1] / "cases"
 
@@ -242,3 +244,13 @@ def test_wall106_ends_where_its_control_point_falls():
     assert "u71" in curve.first_collapse.blocks  # on which the control point is
     assert longest_jump(model, curve) <= model.analysis.event_share
     assert curve.ultimate_displacement == pytest.approx(other.ultimate_displacement, rel=0.1)
+
+
+def test_ties_break_in_motion_where_blocks_come_to_other_neighbours():
+    """A tie that breaks in a step of time is taken out where the step begins, by the pairs there:
+    those at its end may be others, and are more or fewer."""
+    model = on_what_moves(KINDS["tied-plane"](4))
+    curve = ds.pushover(model)
+    assert curve.status == "finished"
+    loose = [e for e in curve.events if e.kind in (EventKind.TIE_BROKEN, EventKind.TIE_YIELDED)]
+    assert any(curve.points[event.step].status == DYNAMIC for event in loose)

@@ -12,6 +12,7 @@ where inertia takes blocks that have no equilibrium nearby.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -285,13 +286,16 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def step(self, state: EquilibriumState, demand: Demand) -> tuple[EquilibriumState, StepReport]:
         """One implicit step from rest; see `Engine.step`."""
         farthest = self.settings.max_motion * state.prepared.assembly.smallest_extent
-        if state.prepared.gives_way:
-            steps = self._bond_steps(state.prepared, demand, farthest)
-            prescribes = demand.increment is not None or demand.settlement is not None
-            free = not prescribes or demand.time_step > 0.0
-            new, outcome = steps.again(state) if free else steps.advance(state)
-        else:
+        prescribes = demand.increment is not None or demand.settlement is not None
+        if not state.prepared.gives_way:
             new, outcome = self._step(state, demand, farthest)
+        elif prescribes and not demand.time_step > 0.0:
+            new, outcome = self._bond_steps(state.prepared, demand, farthest).advance(state)
+        else:
+            # Bonds that break in the step are taken out where it begins: by the pairs there.
+            one = partial(self._step_of_pairs, demand=demand, farthest=farthest)
+            new, outcome = self._bonds(state.prepared, lambda state, _: one(state)).again(state)
+            new, outcome = self._with_new_pairs(state, new, outcome)
         if outcome.converged and outcome.dynamic:
             new = self._drop_departed(new)
         return new, outcome
@@ -311,6 +315,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 new = replace(new, last_increment=state.last_increment)
             return new, report
 
+        return self._bonds(prepared, solve)
+
+    def _bonds(
+        self,
+        prepared: Prepared,
+        solve: Callable[[EquilibriumState, float], tuple[EquilibriumState, StepReport]],
+    ) -> BondSteps[EquilibriumState]:
         return BondSteps(
             solve=solve,
             broken=self._broken,
@@ -347,7 +358,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _step(
         self, state: EquilibriumState, demand: Demand, farthest: float
     ) -> tuple[EquilibriumState, StepReport]:
-        """A step that fails where a block moves by more than ``farthest`` [m]."""
+        """A step that fails where a block moves by more than ``farthest`` [m]; pairs of blocks are
+        found anew where it ends."""
+        new, outcome = self._step_of_pairs(state, demand, farthest)
+        return self._with_new_pairs(state, new, outcome)
+
+    def _step_of_pairs(
+        self, state: EquilibriumState, demand: Demand, farthest: float
+    ) -> tuple[EquilibriumState, StepReport]:
+        """The same with the pairs of the state where it begins."""
         own = self.equations_of(state)
         prescribed = self._prescribed(state, demand)
         h = demand.time_step or self.settings.static_time_step
@@ -372,14 +391,22 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 n_iterations=solved.n_iterations,
                 path=StepPath(fold=solved.fold),
             )
-        accepted, outcome = self._accept(own, state, solved, h, demand)
-        new = self._refresh(accepted)
-        if self._missed(accepted, new):
+        return self._accept(own, state, solved, h, demand)
+
+    def _with_new_pairs(
+        self, state: EquilibriumState, ended: EquilibriumState, outcome: StepReport
+    ) -> tuple[EquilibriumState, StepReport]:
+        """The end of a step with new pairs, where the blocks have moved far; it has failed where
+        some overlap that were no pair."""
+        if not outcome.converged:
+            return ended, outcome
+        new = self._refresh(ended)
+        if self._missed(ended, new):
             return state, StepReport(
                 converged=False,
                 reason="blocks meet that were far apart",
-                n_iterations=solved.n_iterations,
-                path=StepPath(fold=solved.fold),
+                n_iterations=outcome.n_iterations,
+                path=StepPath(fold=outcome.path.fold),
             )
         return new, outcome
 
