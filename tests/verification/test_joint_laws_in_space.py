@@ -21,7 +21,6 @@ from test_joint_laws import joint
 import drystone as ds
 import solids
 from builders import stack
-from drystone.dynamics.distinct.engine import DistinctEngine, DistinctSettings
 from drystone.model.joint_law import JointLaw
 
 B, D, H = 0.8, 0.5, 0.1  # m
@@ -146,15 +145,15 @@ class TestPushedOff:
 class TestPressed:
     strength = 5e4
 
-    def test_it_yields(self):
-        # By default rest leaves up to 1e-4 of the weight, which is more than the bound below.
-        engine = DistinctEngine(DistinctSettings(tolerance=1e-6))
+    # In cycles a corner may be crushed a little more than another, and stays so.
+    @pytest.mark.parametrize(("engine", "bound"), [("distinct", 1e-4), ("equilibrium", 1e-8)])
+    def test_it_yields(self, engine, bound):
         moved, force = pushed(
             (0, 0, -1), 1e-6, 2e-5, engine=engine, compressive_strength=self.strength
         )
         expected = AREA * np.minimum(STIFFNESS * moved, self.strength)
-        assert force == pytest.approx(expected, rel=1e-4, abs=1e-4 * WEIGHT)
-        assert force[-1] == pytest.approx(AREA * self.strength, rel=1e-6)
+        assert force == pytest.approx(expected, rel=bound, abs=bound * WEIGHT)
+        assert force[-1] == pytest.approx(AREA * self.strength, rel=bound)
 
     def test_it_softens(self):
         energy = 20.0
