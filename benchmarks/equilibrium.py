@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass, replace
+from typing import Any
 
 import harness  # first: it holds the libraries' threads to one
 import numpy as np
@@ -99,18 +100,18 @@ def with_stiffness(model: ds.Model, normal: float) -> ds.Model:
 def one_solution(model: ds.Model) -> tuple[float, float]:
     """Seconds of a factorisation and solution of a tangent of the curve, by SuperLU and by us."""
     caught: list[tuple[PlaneStep, list[Array]]] = []
-    follow_from = PlaneStep.follow_from
+    walk = PlaneStep.walk
 
-    def spy(self: PlaneStep, *arguments: object) -> bool:
-        done = follow_from(self, *arguments)
+    def spy(self: PlaneStep, *arguments: Any, **options: Any) -> tuple[int, float, int]:
+        done = walk(self, *arguments, **options)
         caught.append((self, [block.copy() for block in self.tangent]))
         return done
 
-    PlaneStep.follow_from = spy
+    PlaneStep.walk = spy
     try:
         ds.pushover(model, engine=EquilibriumEngine(), max_displacement=0.05)
     finally:
-        PlaneStep.follow_from = follow_from
+        PlaneStep.walk = walk
     step, (diagonal, upper, lower) = caught[-1]
     n, n_dof = step.loads.mass.shape
     full = np.zeros((n, n_dof, n, n_dof))

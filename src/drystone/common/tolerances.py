@@ -848,12 +848,10 @@ STRENGTHS_FIXED = 1e-6
 
 #: Smallest pivot of a block, over its largest entry, with which a direction is worth trying.
 #: Derived: 450 roundings.
-SINGULAR = 1e-13
+LEAST_PIVOT = 1e-13
 
-#: Sliding back by less than this share of the blocks' motion does not end sliding; and length of it
-#: [m] that counts as a change ahead.  Not measured.
+#: Sliding back by less than this share of the blocks' motion does not end sliding.  Not measured.
 SLOW = 1e-6
-SLOW_BACK = 1e-10
 
 #: By how much a path may fall below its start before it has turned back.  Not measured.
 BELOW_START = 1e-3

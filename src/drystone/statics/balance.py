@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
 
+Array = NDArray[np.float64]
+
+
+class BodyForces(NamedTuple):
+    """Forces on the bodies, and what they are measured by; arrays are (n, n_dof)."""
+
+    contact: Array  # N, N m, of contacts and ties
+    dead: Array  # N, N m
+    pattern: Array  # N, N m, of the load at multiplier one
+    mass: Array  # kg, kg m2
+    extent: Array  # (n,) m, by which moments are divided
+    fixed: NDArray[np.bool_]  # (n,)
+    left: Array  # N, N m, the unbalanced ones
+
 
 @njit(cache=True, error_model="numpy")
-def unbalance(contact, dead, pattern, multiplier, mass, x, inertia_factor, extent, fixed, force):
-    """Fill ``force`` (n, n_dof) with what is left of all forces on each block, zero on fixed ones.
+def unbalance(forces, multiplier, x, inertia_factor):
+    """Fill ``left`` of the forces with what is left of all on each block, zero on fixed ones.
 
     Returns the largest force, or moment over block size [N].
     """
+    contact, dead, pattern, mass, extent, fixed, force = forces
     n, n_dof = x.shape
     worst = 0.0
     for i in range(n):
@@ -58,7 +76,8 @@ def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
 
 
 @njit(cache=True, error_model="numpy")
-def _dot(first, second):
+def dot(first, second):
+    """Scalar product of two fields (n, n_dof)."""
     total = 0.0
     for i in range(first.shape[0]):
         for d in range(first.shape[1]):
@@ -74,14 +93,14 @@ def solve_bordered(bordered, x, lag):
     """
     by_load, by_spring = bordered.columns[1], bordered.columns[2]
     g1, g2, g3 = (
-        _dot(bordered.gradient, x),
-        _dot(bordered.gradient, by_load),
-        _dot(bordered.gradient, by_spring),
+        dot(bordered.gradient, x),
+        dot(bordered.gradient, by_load),
+        dot(bordered.gradient, by_spring),
     )
     e1, e2, e3 = (
-        _dot(bordered.axis, x),
-        _dot(bordered.axis, by_load),
-        _dot(bordered.axis, by_spring),
+        dot(bordered.axis, x),
+        dot(bordered.axis, by_load),
+        dot(bordered.axis, by_spring),
     )
     determinant = g2 * (e3 - 1.0) - g3 * e2
     bordered.determinant_ratio[0] = determinant

@@ -135,7 +135,7 @@ class StaticStep(ABC):
         self.any_dilates, self.any_bonded = bool(self.dilate.any()), bool(self.bonded.any())
         self.given = np.zeros((n, n_dof))  # increments of supports that move
         self.x, self.force, self.contact_force = (np.zeros((n, n_dof)) for _ in range(3))
-        self.damping, self.dead = np.zeros(n), loads.dead
+        self.damping = np.zeros(n)
         self.joined = loads.ties.joined(pairs.a, pairs.b) if loads.ties else None
         joined: JoinedTies | Pairs = self.joined or pairs
         self.tangent = Tangent.zeros(n, len(joined.a), n_dof)
@@ -155,7 +155,7 @@ class StaticStep(ABC):
                 sign=np.ones(1),
             )
         )
-        self.spring = self.pivot = 0.0
+        self.forces = self._body_forces()
         self.n_due = 1  # columns of the bordered system that the next solution is to fill
         self.prescribed: PrescribedDisplacement | None = None
         self.all_slots = np.arange(n_slots)
@@ -163,6 +163,18 @@ class StaticStep(ABC):
         self.fresh = self.current
         self.history: Array | None = None
         self.multiplier, self.residual, self.inertia_factor = 0.0, np.inf, 0.0
+
+    def _body_forces(self) -> balance.BodyForces:
+        loads = self.loads
+        return balance.BodyForces(
+            contact=self.contact_force,
+            dead=loads.dead.copy() if loads.acting else loads.dead,
+            pattern=self.bordered.load,
+            mass=loads.mass,
+            extent=loads.extent,
+            fixed=loads.fixed,
+            left=self.force,
+        )
 
     def _bordered(self, bordered: Bordered) -> Any:
         """The bordered system, with what else a form of the step needs for its directions."""
@@ -285,15 +297,21 @@ class StaticStep(ABC):
 
     def _balance(self) -> float:
         """The same, the contacts' forces having been summed."""
-        c = self.loads
-        if c.ties:
-            c.ties.act(self._pose_now())
-            c.ties.add_to(self.contact_force)
-        if c.acting:
-            near, self.bordered.load[:] = c.acting.near(self._pose_now(), self.multiplier)
-            self.dead = near
-        self.residual = self._unbalance(self.dead)
+        self._act()
+        if self.loads.ties:
+            self.loads.ties.add_to(self.contact_force)
+        self.residual = balance.unbalance(self.forces, self.multiplier, self.x, self.inertia_factor)
         return self.residual
+
+    def _act(self) -> None:
+        """Let ties and loads act where the step is."""
+        ties, acting = self.loads.ties, self.loads.acting
+        if ties:
+            ties.act(self._pose_now())
+        if acting:
+            self.forces.dead[:], self.forces.pattern[:] = acting.near(
+                self._pose_now(), self.multiplier
+            )
 
     def enough(self, accuracy: Accuracy, moved: float) -> float:
         """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks
@@ -315,14 +333,6 @@ class StaticStep(ABC):
         if self.residual <= accuracy.tolerance:
             return True
         return self.residual <= self.enough(accuracy, self.constants.detector.farthest(self.x))
-
-    def _unbalance(self, dead: Array) -> float:
-        c = self.loads
-        largest: float = balance.unbalance(
-            self.contact_force, dead, self.bordered.load, self.multiplier, c.mass, self.x,
-            self.inertia_factor, c.extent, c.fixed, self.force,
-        )  # fmt: skip
-        return largest
 
     def _pose_now(self) -> Array:
         return self.constants.detector.assembly.moved(self.pose, self.x)
@@ -348,24 +358,31 @@ class StaticStep(ABC):
     def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
         """Factorise the tangent with inertia, and the border: the gradient (n, n_dof) of the
         prescribed displacement."""
-        bordered, mass, body = self.bordered, self.loads.mass, -1
-        bordered.determinant_ratio[0] = -1.0
-        if self.prescribed is not None and gradient is not None:
-            body = self.prescribed.body
-            bordered.gradient[:] = gradient
-            bordered.axis[:] = 0.0
-            bordered.axis[body] = gradient[body]
-        self.spring = balance.stiffen(
+        bordered, mass = self.bordered, self.loads.mass
+        body = self._border(gradient)
+        spring = balance.stiffen(
             self.tangent.diagonal, mass, self.inertia_factor, self.damping, body, bordered.axis
         )
-        self.pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
-        self.n_due, bordered.sign[0] = 1, np.sign(self.pivot)
-        if self.pivot == 0.0 or self.prescribed is None:
-            return self.pivot != 0.0
+        pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
+        self.n_due, bordered.sign[0] = 1, np.sign(pivot)
+        if pivot == 0.0 or self.prescribed is None:
+            return pivot != 0.0
         bordered.columns[1] = bordered.load
-        np.multiply(self.spring, bordered.axis, out=bordered.columns[2])
+        np.multiply(spring, bordered.axis, out=bordered.columns[2])
         self.n_due = 3
         return True
+
+    def _border(self, gradient: Array | None) -> int:
+        """Border the matrix with the gradient of the prescribed displacement; its body, or -1."""
+        bordered = self.bordered
+        bordered.determinant_ratio[0] = -1.0
+        if self.prescribed is None or gradient is None:
+            return -1
+        body = self.prescribed.body
+        bordered.gradient[:] = gradient
+        bordered.axis[:] = 0.0
+        bordered.axis[body] = gradient[body]
+        return body
 
     def solve(self, missing: float) -> float:
         """Direction in the first column, from the forces there, and of the multiplier."""

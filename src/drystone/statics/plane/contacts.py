@@ -28,6 +28,7 @@ from drystone.contact.contacts import (
     STIFF_T,
     TRIAL_N,
     TRIAL_T,
+    Contacts,
     Pairs,
     Slots,
 )
@@ -37,6 +38,7 @@ from drystone.contact.plane.rows import slip as slip_of
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law.columns import DILATION, SHEAR
 from drystone.law.plane import choose, respond
+from drystone.statics.balance import BodyForces, unbalance
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -67,6 +69,19 @@ class Answer(NamedTuple):
     response: Array  # (n_slots, 3, 3) derivatives of the reactions by the trial ones
 
 
+class Located(NamedTuple):
+    """Contacts and forces where a step is."""
+
+    begin: Beginning
+    x: Array  # (n, n_dof) increments
+    now: Array  # (n, 3) poses
+    slots: Slots
+    contacts: Contacts  # packed
+    answer: Answer
+    held: Array  # (n, n_dof) forces of ties [N, N m]
+    forces: BodyForces
+
+
 @njit(cache=True, error_model="numpy")
 def locate_at(begin, x, now, slots, contacts, count, trial):
     """Contacts at increments ``x`` (n, n_dof), and their trial reactions; see `locate`.
@@ -81,13 +96,27 @@ def locate_at(begin, x, now, slots, contacts, count, trial):
 
 
 @njit(cache=True, error_model="numpy")
-def evaluate(begin, x, now, slots, contacts, count, answer, force):
-    """Contacts at increments ``x``, their reactions, and what these do to the bodies, (n, n_dof);
-    see `locate_at`."""
+def evaluate(box, count, multiplier, inertia_factor):
+    """Contacts at the increments, their reactions, and what is unbalanced; see `locate_at` and
+    `balance.unbalance`.
+
+    The `Located` are the first in the ``box``; all are filled.
+    """
+    begin, x, now, slots, contacts, answer, held, forces = box.value[0]
     locate_at(begin, x, now, slots, contacts, count, answer.trial)
     choose(contacts.table, 0, count, answer.branch)
     respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
-    sum_forces(contacts, count, answer.reaction, force)
+    sum_forces(contacts, count, answer.reaction, forces.contact)
+    add(held, forces.contact)
+    return unbalance(forces, multiplier, x, inertia_factor)
+
+
+@njit(cache=True, error_model="numpy")
+def add(field, total):
+    """Add a field (n, n_dof) to another."""
+    for i in range(field.shape[0]):
+        for d in range(field.shape[1]):
+            total[i, d] += field[i, d]
 
 
 @njit(cache=True, error_model="numpy")
@@ -179,13 +208,19 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
     tangent
         `Tangent`.
     """
+    tangent.diagonal[:, :, :] = 0.0
+    tangent.upper[:, :, :] = 0.0
+    tangent.lower[:, :, :] = 0.0
+    add_geometric_stiffness(slots, contacts, count, reaction, tangent)
+
+
+@njit(cache=True, error_model="numpy")
+def add_geometric_stiffness(slots, contacts, count, reaction, tangent):
+    """Add to ``tangent`` what `geometric_stiffness` fills it with."""
     # Fields read once, and no views of rows: in the loop each would count references.
     meets, value = slots
     which = contacts.which
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
-    diagonal[:, :, :] = 0.0
-    upper[:, :, :] = 0.0
-    lower[:, :, :] = 0.0
     hess = np.zeros((2 * N_DOF, 2 * N_DOF))
     for c in range(count):
         k = which[c, SLOT]

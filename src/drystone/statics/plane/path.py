@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import BELOW_START, SLOW, SLOW_BACK
+from drystone.common.tolerances import BELOW_START, LEAST_PIVOT, SLOW
 from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
@@ -37,13 +37,21 @@ from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_join
 from drystone.law.limits import limited_normal
 from drystone.law.pieces import all_dry, change, distance, distance_of_dry
 from drystone.law.plane import commit
-from drystone.statics.balance import solve_bordered
-from drystone.statics.linear.numeric import solve
+from drystone.statics.balance import dot, solve_bordered, stiffen, unbalance
+from drystone.statics.linear.numeric import Factors, factorise, solve
+from drystone.statics.linear.symbolic import Structure
+from drystone.statics.linear.tangent import Tangent
+from drystone.statics.plane.contacts import (
+    add,
+    add_geometric_stiffness,
+    move_trial,
+    respond_along,
+)
 
 #: How a path ends: at its target; at a fold before it; at a change after which the matrix must be
-#: factorised anew; after too many changes; where the matrix is singular; where it starts, with
-#: more changes ahead than are worth following.
-DONE, FOLDED, RENEW, LOST, SINGULAR, MANY = 0, 1, 2, 3, 4, 5
+#: factorised anew; after too many changes; where the matrix is singular.  Or it waits for its
+#: matrix to be factorised.
+DONE, FOLDED, RENEW, LOST, SINGULAR, WAITS = 0, 1, 2, 3, 4, 5
 
 Array = NDArray[np.float64]
 
@@ -69,28 +77,41 @@ class BorderedPath(NamedTuple):
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
+class Pieces(NamedTuple):
+    """The linear pieces of a step: what their forces and their matrix are summed from."""
+
+    structure: Structure  # of the matrix
+    factors: Factors
+    pair_bodies: NDArray[np.int64]  # (n_pairs, 2) of all pairs of the matrix
+    #: What does not depend on the branches of contacts: stiffness of ties and of loads that turn;
+    #: the same with that of contacts which turn.
+    others: Tangent
+    geometric: Tangent
+    tangent: Tangent  # all, with inertia
+    damping: Array  # (n,)
+    away: Array  # (n, n_dof) from there to where the path is
+
+
 class Rules(NamedTuple):
     """How a path is followed."""
 
-    #: Whether a displacement is prescribed and the multiplier is an unknown.
-    prescribes: bool
-    #: Whether sliding counts over the whole of the step, as in the implicit law.  Otherwise a slip
-    #: ends, and is kept, as soon as the contact would slide back: the path of a slow loading, which
-    #: no structure follows beyond a fold.
-    whole: bool
+    #: Body whose displacement is prescribed, the multiplier being an unknown; -1 if there is none.
+    body: int
+    #: What is missing of the prescribed displacement where the pieces are linear [m].
+    lag: float
+    inertia_factor: float  # 1/s2
     #: Largest number of changes.
     patience: int
-    #: Number of changes ahead up to which they are followed.
-    worth: int
+    #: Whether the caller factorises the matrix, see `WAITS`.
+    waits: bool
 
 
-class PathPoint(NamedTuple):
-    """A point of a path: the multiplier, the share 1 - t of the step that is left, and the number
-    of changes so far."""
-
-    multiplier: float
-    left: float
-    changes: int
+#: Where a path is: the multiplier; the share 1 - t of the step that is left; the number of changes
+#: so far; whether sliding counts over the whole of the step, as in the implicit law.  Otherwise a
+#: slip ends, and is kept, as soon as the contact would slide back: the path of a slow loading,
+#: which no structure follows beyond a fold.  Stiffness of the spring [N/m], and pivot of the
+#: matrix, NaN before it is factorised.
+MULTIPLIER, LEFT, CHANGES, WHOLE, SPRING, PIVOT, N_PROGRESS = 0, 1, 2, 3, 4, 5, 6
 
 
 @njit(cache=True, error_model="numpy")
@@ -107,25 +128,6 @@ def _sliding_back(table, c, now, rate_n, rate_t):
         sign = 1.0 if now == FORWARD else -1.0
         return (sign * rate_t - table[c, FRICTION] * rate_n) / table[c, STIFF_T]
     return sense(now) * rate_t / table[c, STIFF_T]
-
-
-@njit(cache=True, error_model="numpy")
-def _ahead(contacts, count, direction, branch, whole):
-    """How many contacts would change along the direction."""
-    which, rows, table = contacts
-    changed = 0
-    for c in range(count):
-        a = which[c, BODY_A]
-        b = which[c, BODY_B]
-        rate_n, rate_t = _rates(table, rows, c, direction, a, b)
-        now = branch[c]
-        far, _ = distance(table, c, now, rate_n, rate_t, whole)
-        back = 0.0
-        if not whole and now > STICKING:
-            back = _sliding_back(table, c, now, rate_n, rate_t)
-        if far < 1.0 or back < -SLOW_BACK:
-            changed += 1
-    return changed
 
 
 @njit(cache=True, error_model="numpy")
@@ -242,42 +244,91 @@ def _go(direction, length, x, rate, share, table, count):
 
 
 @njit(cache=True, error_model="numpy")
-def follow_path(
-    structure, factors, bordered, contacts, count, branch, force, lag, spring, x, begin, rules
-):
-    """Follow the path of a step from where it is.
+def walk(box, count, x, progress, rules):
+    """Follow the path of a step from where it is, with as many factorisations as it takes.
 
     Parameters
     ----------
-    structure, factors
-        Of the matrix K', see `statics.linear.numeric`.
-    bordered
-        See `BorderedPath`.
-    contacts, count
-        See `statics.plane.forces.joint_forces`; trial reactions are moved on.
-    branch
-        (n_slots,) changed as the path goes.
-    force, lag, spring
-        What is unbalanced at the start, (n, n_dof) [N, N m]; what is missing of the prescribed
-        displacement [m]; k [N/m].
+    box
+        Of the contacts where the pieces are linear, `Located`, of `Pieces`, and of what borders
+        their matrix, `BorderedPath`.  Trial reactions and branches change as the path goes.
+    count
+        Of contacts.
     x
         (n, n_dof) increments, moved on.
-    begin, rules
-        See `PathPoint` and `Rules`.
+    progress
+        (N_PROGRESS,) see `MULTIPLIER`, moved on.
+    rules
+        See `Rules`.
 
     Returns
     -------
-    How the path ended, the multiplier, the share that is left and the number of changes.
+    How the path has ended.  If it waits, the caller factorises the matrix, writes its pivot, and
+    calls again.
     """
-    prescribes, whole, patience, worth = rules
-    multiplier, left, changes = begin
+    located, pieces, bordered = box.value
+    contacts, answer, forces = located.contacts, located.answer, located.forces
+    end = RENEW
+    while end == RENEW:
+        if np.isnan(progress[PIVOT]):
+            _factorable(located, pieces, bordered, count, x, progress, rules)
+            if rules.waits:
+                return WAITS
+            progress[PIVOT] = factorise(
+                pieces.structure, pieces.tangent.diagonal, pieces.tangent.upper,
+                pieces.tangent.lower, pieces.factors, forces.mass, pieces.damping, 0.0,
+            )  # fmt: skip
+        bordered.sign[0] = np.sign(progress[PIVOT])
+        if not abs(progress[PIVOT]) > LEAST_PIVOT:
+            return SINGULAR
+        progress[PIVOT] = np.nan
+        end = _follow(pieces, contacts, count, answer.branch, bordered, forces, x, progress, rules)
+    return end
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _factorable(located, pieces, bordered, count, x, progress, rules):
+    """Sum the forces and the matrix of the piece that the path is in."""
+    contacts, answer, forces = located.contacts, located.answer, located.forces
+    geometry, away, n_dof = located.x, pieces.away, x.shape[1]
+    for i in range(x.shape[0]):
+        pieces.damping[i] = 0.0
+        for d in range(n_dof):
+            away[i, d] = x[i, d] - geometry[i, d]
+    if progress[CHANGES] == 0.0:
+        pieces.geometric.diagonal[:, :, :] = pieces.others.diagonal
+        pieces.geometric.upper[:, :, :] = pieces.others.upper
+        pieces.geometric.lower[:, :, :] = pieces.others.lower
+        add_geometric_stiffness(located.slots, contacts, count, answer.reaction, pieces.geometric)
+        which, rows, table = contacts
+        move_trial(which, rows, table, count, away)
+    respond_along(
+        contacts, count, pieces.pair_bodies, answer, pieces.geometric, away, forces.contact,
+        pieces.tangent,
+    )  # fmt: skip
+    add(located.held, forces.contact)
+    unbalance(forces, progress[MULTIPLIER], x, rules.inertia_factor)
+    progress[SPRING] = stiffen(
+        pieces.tangent.diagonal, forces.mass, rules.inertia_factor, pieces.damping, rules.body,
+        bordered.axis,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _follow(pieces, contacts, count, branch, bordered, forces, x, progress, rules):
+    """Follow the path with the matrix that is factorised; returns how it has ended."""
+    prescribes = rules.body >= 0
+    structure, factors = pieces.structure, pieces.factors
+    whole = progress[WHOLE] != 0.0 or np.isfinite(bordered.fold[0])
+    multiplier, left, changes = progress[MULTIPLIER], progress[LEFT], int(progress[CHANGES])
+    lag = rules.lag - dot(bordered.gradient, pieces.away) if prescribes else 0.0
     table, rate = contacts.table, bordered.rate
     direction = bordered.columns[0]
-    by_direction = _first_direction(structure, factors, bordered, prescribes, force, lag, spring)
+    by_direction = _first_direction(
+        structure, factors, bordered, prescribes, forces.left, lag, progress[SPRING]
+    )
     if not np.isfinite(by_direction):
-        return SINGULAR, multiplier, left, changes
-    if worth < count and _ahead(contacts, count, direction, branch, whole) > worth:
-        return MANY, multiplier, left, changes
+        return SINGULAR
     ahead, dry = bordered.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
     before = OPEN
@@ -288,16 +339,19 @@ def follow_path(
         arrives = ahead > 0.0 and nearest >= 1.0
         length = 1.0 if arrives else nearest
         if not np.isfinite(length):
-            return LOST, multiplier, left, changes
+            end = LOST
+            break
         _go(direction, ahead * length, x, rate, length, table, count)
         multiplier += ahead * length * by_direction
         if arrives:
             if not whole:
                 _keep_slow(contacts, count, branch)
-            return DONE, multiplier, 0.0, changes
+            end = DONE
+            break
         left *= 1.0 - ahead * length
         if left > 1.0 + BELOW_START:
-            return FOLDED, multiplier, left, changes
+            end = FOLDED
+            break
         last, before = chosen, branch[chosen]
         branch[chosen] = following
         if changes < bordered.bends.shape[0]:
@@ -306,15 +360,18 @@ def follow_path(
         new += 1
         if not whole:
             commit(table, chosen, before)
-        if changes > patience:
-            return LOST, multiplier, left, changes
+        if changes > rules.patience:
+            end = LOST
+            break
         if new == bordered.changes.shape[0]:
-            return RENEW, multiplier, left, changes
+            end = RENEW
+            break
         pivot = _add_change(
             structure, factors, bordered, prescribes, contacts, chosen, before, following, new
         )
         if pivot == 0.0 or not np.isfinite(pivot):
-            return SINGULAR, multiplier, left, changes
+            end = SINGULAR
+            break
         scale = 1.0 - ahead * length
         by_direction = _bend(bordered, contacts, chosen, new, scale, direction, by_direction)
         if pivot < 0.0:
@@ -324,6 +381,8 @@ def follow_path(
                 bordered.fold[0], bordered.fold[1] = 1.0 - left, multiplier
             ahead = -ahead
             bordered.sense[0] = ahead
+    progress[MULTIPLIER], progress[LEFT], progress[CHANGES] = multiplier, left, changes
+    return end
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -28,7 +28,6 @@ Array = NDArray[np.float64]
 _ENDS = {
     path.FOLDED: "the path of equilibria turns back",
     path.LOST: "too many contacts change",
-    path.MANY: "too many contacts change",
     path.SINGULAR: "a part of the structure is free to move",
 }
 
@@ -39,8 +38,6 @@ class PathSettings:
 
     #: Renewals of the gradients; most steps take two.
     renewals: int = 12
-    #: Contacts about to change above which the interior is as cheap as following them.
-    worth: int = 60
     #: Changes of contacts for each that there is.
     changes: float = 2.0
 
@@ -75,7 +72,7 @@ def follow(
     starts; ``whole`` is to take the implicit law, whose sliding counts over the whole step, from
     there on.
     """
-    prescribed, geometry, x = step.prescribed, guess, step.given.copy()
+    prescribed, x = step.prescribed, step.given
     start, reason, count, end = multiplier, "", 0, path.DONE
     follows = prescribed is not None or bool(step.given.any())
     begun = step.branch[: step.n].copy()
@@ -85,15 +82,16 @@ def follow(
     step.bordered.fold[:] = np.nan
     shape = _Shape()
     for count in range(1, settings.renewals + 1):
-        walk = _Walk(step, geometry, accuracy, settings, whole=whole or count > 1)
-        end, x, multiplier = walk.go(x, multiplier)
+        x = x.copy()
+        end, multiplier, changes = step.walk(
+            x, multiplier, whole=whole or count > 1, patience=int(settings.changes * step.n)
+        )
         if end == path.DONE and follows and not step.stable:
             end = path.FOLDED
         if end != path.DONE:
             reason = _ENDS[end]
             break
         step.remember()
-        geometry = x
         moved = step.constants.detector.farthest(x)
         if not moved <= accuracy.farthest:  # or not a number
             reason = "a block moves too far in one step"
@@ -101,7 +99,7 @@ def follow(
         step.evaluate(x, multiplier)
         if count == 1 and prescribed:
             sense = -1.0 if prescribed.missing(np.zeros_like(x)) < 0.0 else 1.0
-            shape = _shape(step.bends(walk.changes), start, multiplier, sense)
+            shape = _shape(step.bends(changes), start, multiplier, sense)
         enough = step.enough(accuracy, moved)
         if enough > max(accuracy.coarsest, accuracy.tolerance):
             reason = TOO_STIFF
@@ -122,51 +120,6 @@ def follow(
         excess=shape.excess if not reason else None,
         bend=shape.bend if not reason else None,
     )
-
-
-class _Walk:
-    """The path to the solution of one linear step, the contacts having been evaluated."""
-
-    def __init__(
-        self,
-        step: PlaneStep,
-        geometry: Array,
-        accuracy: Accuracy,
-        settings: PathSettings,
-        *,
-        whole: bool,
-    ) -> None:
-        self.step, self.geometry, self.accuracy = step, geometry, accuracy
-        self.settings, self.whole = settings, whole
-        prescribed = step.prescribed
-        self.lag = prescribed.missing(geometry) if prescribed else 0.0
-        self.gradient = prescribed.gradient(geometry) if prescribed else None
-        self.left, self.changes = 1.0, 0
-        self.patience = int(settings.changes * step.n)
-        step.bordered.sense[0] = 1.0
-
-    def go(self, x: Array, multiplier: float) -> tuple[int, Array, float]:
-        """How it ends, and where: from the first fold on by the implicit law."""
-        step, worth = self.step, self.settings.worth
-        step.linearise_here(x - self.geometry)
-        trial, end = x.copy(), path.RENEW
-        while end == path.RENEW:
-            if not self.whole and np.isfinite(step.bordered.fold[0]):
-                self.whole = True
-            end, multiplier = self._advance(trial, multiplier, worth)
-            worth = step.n
-        return end, trial, multiplier
-
-    def _advance(self, x: Array, multiplier: float, worth: int) -> tuple[int, float]:
-        """Continue from ``x``, changed in place, with a new factorisation."""
-        away, gradient = x - self.geometry, self.gradient
-        if not self.step.follow_from(x, multiplier, away, gradient):
-            return path.SINGULAR, multiplier
-        missing = 0.0 if gradient is None else self.lag - float(np.vdot(gradient, away))
-        begin = path.PathPoint(multiplier, self.left, self.changes)
-        rules = path.Rules(gradient is not None, self.whole, self.patience, worth)
-        end, (multiplier, self.left, self.changes) = self.step.advance(x, missing, begin, rules)
-        return end, multiplier
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.tolerances import SINGULAR
+from drystone.common.boxed import boxed
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import narrow, rows
@@ -52,8 +52,18 @@ class PlaneStep(StaticStep):
             (joined.a, joined.b)
         )  # bodies of all pairs of the matrix
         self.geometric = Tangent.zeros(n, len(self.pair_bodies), n_dof)
-        #: Where blocks are; forces that do not depend on the contacts, where pieces are linear.
+        #: Where blocks are; forces of ties.
         self.now, self.held, self.nowhere, self.unused = np.zeros((4, n, n_dof))
+        self.pieces = path.Pieces(
+            structure=self.structure,
+            factors=self.factors,
+            pair_bodies=self.pair_bodies,
+            others=Tangent.zeros(n, len(self.pair_bodies), n_dof),
+            geometric=self.geometric,
+            tangent=self.tangent,
+            damping=self.damping,
+            away=np.zeros((n, n_dof)),
+        )
         places = constants.detector.narrow
         assert isinstance(places, PlaneNarrowPhase)
         self.begins = contacts.Beginning(
@@ -67,6 +77,17 @@ class PlaneStep(StaticStep):
             lines=self.lines,
         )
         self.answer = contacts.Answer(self.trial, self.branch, self.reaction, self.response)
+        located = contacts.Located(
+            begin=self.begins,
+            x=self.x,
+            now=self.now,
+            slots=self.slots,
+            contacts=self.contacts,
+            answer=self.answer,
+            held=self.held,
+            forces=self.forces,
+        )
+        self.box = boxed((located, self.pieces, self.bordered))
         #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
         self.kept = np.zeros(pairs.n_pairs, np.int64)
 
@@ -129,15 +150,11 @@ class PlaneStep(StaticStep):
         contacts.sum_forces(self.contacts, self.n, reaction, self.contact_force)
 
     def _stiffen(self, reaction: Array) -> None:
-        self._bend(reaction)
+        contacts.geometric_stiffness(self.slots, self.contacts, self.n, reaction, self.geometric)
         contacts.assemble(
             self.contacts, self.n, self.pair_bodies, reaction, self.response, self.geometric,
             self.nowhere, self.unused, self.tangent,
         )  # fmt: skip
-
-    def _bend(self, reaction: Array) -> None:
-        """Make the geometric stiffness that of reactions (n_slots, 3 or more)."""
-        contacts.geometric_stiffness(self.slots, self.contacts, self.n, reaction, self.geometric)
 
     def _rates(self, direction: Array) -> None:
         contacts.rates(self.contacts, self.n, direction, self.by_motion)
@@ -154,56 +171,46 @@ class PlaneStep(StaticStep):
     def evaluate(self, x: Array, multiplier: float) -> None:
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
         self.x[:], self.multiplier = x, multiplier
-        contacts.evaluate(
-            self.begins, self.x, self.now, self.slots, self.contacts, self.n, self.answer,
-            self.contact_force,
-        )  # fmt: skip
-        self._balance()
-
-    def linearise_here(self, motion: Array) -> None:
-        """Make linear pieces those of where the step is: reactions are the law's, as evaluated.
-
-        Trial reactions move on by ``motion`` (n, n_dof), linearly.
-        """
-        self._bend(self.reaction)
-        contacts.move_trial(*self.contacts, self.n, motion)
-        ties, acting = self.loads.ties, self.loads.acting
-        if acting:
-            turning = acting.stiffness(self._pose_now(), self.multiplier)
-            self.geometric.diagonal[:, 2:, 2:] += turning
-        if ties and self.joined:
+        self._act()
+        if self.loads.ties:
             self.held[:] = 0.0
-            ties.add_to(self.held)
-            self.joined.stiffen(self.geometric, ties.stiffness())
+            self.loads.ties.add_to(self.held)
+        self.residual = contacts.evaluate(self.box, self.n, self.multiplier, self.inertia_factor)
 
-    def follow_from(self, x: Array, multiplier: float, away: Array, gradient: Array | None) -> bool:
-        """Factorise the tangent of the branches as they are; False if it is singular.
+    def walk(
+        self, x: Array, multiplier: float, *, whole: bool, patience: int
+    ) -> tuple[int, float, int]:
+        """Follow the path of the pieces that are linear where the step is, from ``x`` (n, n_dof),
+        which moves on in place; see `statics.plane.path.walk`.
 
-        The unbalanced forces, and the ``residual``, are made those at ``x``, which is ``away`` (n,
-        n_dof) from where the pieces are linear.
+        Returns how it has ended, the multiplier, and the number of changes.
         """
-        contacts.respond_along(
-            self.contacts, self.n, self.pair_bodies, self.answer, self.geometric, away,
-            self.contact_force, self.tangent,
-        )  # fmt: skip
-        if self.joined:
-            self.contact_force += self.held
-        self.x[:], self.multiplier = x, multiplier
-        self.residual = self._unbalance(self.dead)
-        self.damping[:] = 0.0
-        self._factorise(gradient, 0.0)
-        return abs(self.pivot) > SINGULAR
-
-    def advance(
-        self, x: Array, lag: float, begin: path.PathPoint, rules: path.Rules
-    ) -> tuple[int, path.PathPoint]:
-        """Follow the path from ``x``, which moves on in place; see
-        `statics.plane.path.follow_path`."""
-        end, multiplier, left, changes = path.follow_path(
-            self.structure, self.factors, self.bordered, self.contacts, self.n, self.branch,
-            self.force, lag, self.spring, x, begin, rules,
-        )  # fmt: skip
-        return end, path.PathPoint(multiplier, left, changes)
+        ties, acting, others = self.loads.ties, self.loads.acting, self.pieces.others
+        if acting or ties:
+            for blocks in others:
+                blocks[:] = 0.0
+        if acting:
+            others.diagonal[:, 2:, 2:] = acting.stiffness(self._pose_now(), self.multiplier)
+        if ties and self.joined:
+            self.joined.stiffen(others, ties.stiffness())
+        gradient = self.prescribed.gradient(self.x) if self.prescribed else None
+        rules = path.Rules(
+            body=self._border(gradient),
+            lag=self.missing,
+            inertia_factor=self.inertia_factor,
+            patience=patience,
+            waits=bool(self.lu.parts),
+        )
+        self.bordered.sense[0] = 1.0
+        progress = np.array([multiplier, 1.0, 0.0, float(whole), 0.0, np.nan])
+        end = path.WAITS
+        while end == path.WAITS:
+            end = path.walk(self.box, self.n, x, progress, rules)
+            if end == path.WAITS:
+                progress[path.PIVOT] = self.lu.factorise(
+                    self.tangent, self.loads.mass, self.damping, 0.0
+                )
+        return end, float(progress[path.MULTIPLIER]), int(progress[path.CHANGES])
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
