@@ -64,6 +64,7 @@ def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> Equilibrium
         pose=state.pose,
         multiplier=state.multiplier,
         pairs=state.pairs,
+        paired_at=state.pairs.pose,
         slots=state.slots,
         history=state.history,
         reaction=state.reaction,

@@ -119,9 +119,15 @@ class _Watched(EquilibriumEngine):
             self.reached = new
         return new, report
 
-    def _paired(self, state, departed):
-        new = super()._paired(state, departed)
-        self.made_of[id(new)] = new, state
+    def _drop_departed(self, state):
+        return self._made(super()._drop_departed(state), state)
+
+    def _refresh(self, state):
+        return self._made(super()._refresh(state), state)
+
+    def _made(self, new, state):
+        if new is not state:
+            self.made_of[id(new)] = new, state
         return new
 
     def taken(self) -> list[_Step]:

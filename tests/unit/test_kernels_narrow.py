@@ -649,7 +649,7 @@ class TestLaterContacts:
         for _ in range(20):
             move = random.normal(size=(10, 3))
             pose = pose + 0.2 * detector.reach * move / detector.motion(move)[:, None]
-            if detector.outdated(pairs, pose):
+            if detector.outdated(pairs.pose, pose):
                 pairs = detector.pairs(pose)
                 slots = Slots.empty(pairs.n_slots, 2)
             detector.fill(pairs, pose, slots)

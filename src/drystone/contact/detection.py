@@ -123,9 +123,10 @@ class Detector:
         columns = a, b, part_a, part_b, self.assembly.law_index(a, b)
         return Pairs.of(columns, self.narrow.n_slots(part_a, part_b), pose)
 
-    def outdated(self, pairs: Pairs, pose: Array) -> bool:
-        """Whether some block has moved so far that a pair may be missing."""
-        return self.farthest(self.assembly.difference(pose, pairs.pose)) > 0.5 * self.reach
+    def outdated(self, found_at: Array, pose: Array) -> bool:
+        """Whether some block has moved so far from poses in which pairs were found that one may be
+        missing."""
+        return self.farthest(self.assembly.difference(pose, found_at)) > 0.5 * self.reach
 
     def travelled(self, pose: Array) -> Array:
         """Bound on how far any point of each block is from its designed place [m], (n,)."""

@@ -346,7 +346,7 @@ class NscdEngine(Engine[NscdState]):
 
     def _refresh(self, state: NscdState) -> NscdState:
         """New pairs where the blocks have moved far."""
-        if state.prepared.detector.outdated(state.pairs, state.pose):
+        if state.prepared.detector.outdated(state.pairs.pose, state.pose):
             state = self._paired(state, state.departed)
         return state
 

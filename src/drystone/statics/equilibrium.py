@@ -116,6 +116,7 @@ class EquilibriumState:
     pose: Array  # (n, n_dof) m, rad
     multiplier: float
     pairs: Pairs
+    paired_at: Array  # (n, n_pose) where these were found, or found to be all once more
     slots: Slots  # contacts in `pose`
     history: Array  # (n_slots, N_HISTORY + dim - 2)
     reaction: Array  # (n_slots, dim) N
@@ -200,6 +201,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             pose=pose,
             multiplier=0.0,
             pairs=pairs,
+            paired_at=pose,
             slots=slots,
             history=first_history(prepared, slots),
             reaction=np.zeros_like(slots.normal),
@@ -353,7 +355,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             prepared.problem, prepared.detector, loads, state.pose, state.multiplier,
             state.pairs, state.slots, state.reaction, prepared.bars.whole(state.ties),
         )  # fmt: skip
-        return self._paired(state, state.departed | left) if left.any() else state
+        if not left.any():
+            return state
+        departed = state.departed | left
+        return self._paired(state, departed, prepared.detector.pairs(state.pose, departed))
 
     def _step(
         self, state: EquilibriumState, demand: Demand, farthest: float
@@ -523,9 +528,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
         """New pairs where the blocks have moved far."""
-        if state.prepared.detector.outdated(state.pairs, state.pose):
-            state = self._paired(state, state.departed)
-        return state
+        detector = state.prepared.detector
+        if not detector.outdated(state.paired_at, state.pose):
+            return state
+        pairs = detector.pairs(state.pose, state.departed)
+        if np.array_equal(pairs.which, state.pairs.which):
+            return changed(state, paired_at=state.pose)  # the equations of these go on to fit
+        return self._paired(state, state.departed, pairs)
 
     def equations_of(self, state: EquilibriumState) -> Equations:
         """The equations that fit a state: those of the last step, or new ones."""
@@ -540,10 +549,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         self.last = Equations.of(old, state.pairs, accuracy)
         return self.last
 
-    def _paired(self, state: EquilibriumState, departed: BoolArray) -> EquilibriumState:
+    def _paired(
+        self, state: EquilibriumState, departed: BoolArray, pairs: Pairs
+    ) -> EquilibriumState:
         """The state with new pairs, without the blocks that are ``departed``."""
         detector = state.prepared.detector
-        pairs = detector.pairs(state.pose, departed)
         heirs = handed_on(detector.narrow, self._past(state), pairs, former=state.pairs)
         in_space = state.slots.dim == 3  # in the plane the same contacts are found in this place
         slots = detector.find(pairs, state.pose, heirs.slots if in_space else None)
@@ -555,6 +565,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return replace(
             state,
             pairs=pairs,
+            paired_at=state.pose,
             slots=slots,
             history=heirs.history,
             reaction=heirs.reaction,
@@ -667,6 +678,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             pose=pose,
             multiplier=solved.multiplier,
             pairs=state.pairs,
+            paired_at=state.paired_at,
             slots=slots,
             history=heirs.history,
             reaction=heirs.reaction,

@@ -389,7 +389,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
 
     def _slots(self, prepared: Lmgc90Prepared, pose: Array) -> Slots:
         """All contacts in the given poses, those that LMGC90 has missed included."""
-        if self._pairs is None or prepared.detector.outdated(self._pairs, pose):
+        if self._pairs is None or prepared.detector.outdated(self._pairs.pose, pose):
             self._pairs = prepared.detector.pairs(pose)
         return prepared.detector.find(self._pairs, pose)
 

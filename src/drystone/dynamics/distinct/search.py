@@ -24,7 +24,7 @@ def search(work: Workspace) -> None:
     work.unpack()
     if work.real_masses:
         work.search_work += elastic_energy(prepared, work.pairs, work.slots, work.history)
-    if detector.outdated(work.pairs, pose):
+    if detector.outdated(work.pairs.pose, pose):
         _new_pairs(work, detector.pairs(pose, work.lost))
     old, slots = work.slots, detector.find(work.pairs, pose, work.slots)
     past = _past(work)
