@@ -91,17 +91,19 @@ def solve_bordered(bordered, x, lag):
 
     With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
     """
-    by_load, by_spring = bordered.columns[1], bordered.columns[2]
-    g1, g2, g3 = (
-        dot(bordered.gradient, x),
-        dot(bordered.gradient, by_load),
-        dot(bordered.gradient, by_spring),
-    )
-    e1, e2, e3 = (
-        dot(bordered.axis, x),
-        dot(bordered.axis, by_load),
-        dot(bordered.axis, by_spring),
-    )
+    # Flat, so that loops are long; and all products in one, as each alone waits for its last sum.
+    flat = x.reshape(-1)
+    by_load, by_spring = bordered.columns[1].reshape(-1), bordered.columns[2].reshape(-1)
+    gradient, axis = bordered.gradient.reshape(-1), bordered.axis.reshape(-1)
+    g1 = g2 = g3 = e1 = e2 = e3 = 0.0
+    for i in range(flat.shape[0]):
+        g, e = gradient[i], axis[i]
+        g1 += g * flat[i]
+        g2 += g * by_load[i]
+        g3 += g * by_spring[i]
+        e1 += e * flat[i]
+        e2 += e * by_load[i]
+        e3 += e * by_spring[i]
     determinant = g2 * (e3 - 1.0) - g3 * e2
     bordered.determinant_ratio[0] = determinant
     if determinant == 0.0:
@@ -109,7 +111,6 @@ def solve_bordered(bordered, x, lag):
     missing = lag - g1
     change = (missing * (e3 - 1.0) + g3 * e1) / determinant
     along = (-g2 * e1 - e2 * missing) / determinant
-    for i in range(x.shape[0]):
-        for d in range(x.shape[1]):
-            x[i, d] += change * by_load[i, d] + along * by_spring[i, d]
+    for i in range(flat.shape[0]):
+        flat[i] += change * by_load[i] + along * by_spring[i]
     return change

@@ -207,11 +207,12 @@ def _add_change(structure, factors, bordered, prescribes, contacts, chosen, befo
         w[b, i] += u[n_dof + i]
     solve(structure, factors, w.reshape((1, n, n_dof)))
     by_w = solve_bordered(bordered, w, 0.0) if prescribes else 0.0
+    flat = w.reshape(-1)
     for old in range(new):
         share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
-        for i in range(n):
-            for d in range(n_dof):
-                w[i, d] -= share * past[old, i, d]
+        earlier = past[old].reshape(-1)
+        for i in range(flat.shape[0]):
+            flat[i] -= share * earlier[i]
         by_w -= share * bordered.change_of_multiplier[old]
     bordered.change_of_multiplier[new] = by_w
     pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
@@ -235,9 +236,9 @@ def _first_direction(structure, factors, bordered, prescribes, force, lag, sprin
 @njit(cache=True, error_model="numpy", inline="always")
 def _go(direction, length, x, rate, share, table, count):
     """Move increments and trial reactions along."""
-    for i in range(x.shape[0]):
-        for d in range(x.shape[1]):
-            x[i, d] += length * direction[i, d]
+    to, way = x.reshape(-1), direction.reshape(-1)
+    for i in range(to.shape[0]):
+        to[i] += length * way[i]
     for c in range(count):
         table[c, TRIAL_N] += share * rate[c, 0]
         table[c, TRIAL_T] += share * rate[c, 1]
@@ -391,7 +392,7 @@ def _bend(bordered, contacts, chosen, new, scale, direction, by_direction):
     which, w = contacts.which, bordered.changes[new]
     a, b = which[chosen, BODY_A], which[chosen, BODY_B]
     share = scale * along(bordered.row, new, 0, direction, a, b) / bordered.pivot[new]
-    for i in range(direction.shape[0]):
-        for d in range(direction.shape[1]):
-            direction[i, d] = scale * direction[i, d] - share * w[i, d]
+    flat, by_change = direction.reshape(-1), w.reshape(-1)
+    for i in range(flat.shape[0]):
+        flat[i] = scale * flat[i] - share * by_change[i]
     return scale * by_direction - share * bordered.change_of_multiplier[new]
