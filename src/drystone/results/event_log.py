@@ -122,7 +122,8 @@ class EventLog:
     def _way(self, pose: Array) -> Array:
         """By how far centroids are from where they last rested, (n,) [m]."""
         assert self._last is not None
-        return np.linalg.norm(translations(pose) - translations(self._last[1]), axis=1)
+        moved = translations(pose) - translations(self._last[1])
+        return np.sqrt(np.einsum("ij,ij->i", moved, moved))
 
     def _move(self, pose: Array) -> list[int]:
         assert self._last is not None

@@ -158,7 +158,7 @@ class StaticStep(ABC):
         self.forces = self._body_forces()
         self.n_due = 1  # columns of the bordered system that the next solution is to fill
         self.prescribed: PrescribedDisplacement | None = None
-        self.all_slots = np.arange(n_slots)
+        self.all_slots, self.all_pairs = np.arange(n_slots), np.arange(n_pairs + 1)
         self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
         self.fresh = self.current
         self.history: Array | None = None
@@ -228,7 +228,7 @@ class StaticStep(ABC):
             table[:n, LIFT] = table[:n, STIFF_N] * np.where(dilates, self.dilate, 0.0)[used]
         if self.any_bonded:
             table[:n, INTACT] = (self.bonded & (self.history_before[:, BROKEN] == 0.0))[used]
-        self.first[:] = np.searchsorted(pair, np.arange(len(self.first)))
+        self.first[:] = pair.searchsorted(self.all_pairs)
         self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
         self.branch[:n] = branch[used]
         self.area = self.known.size[used] * self.constants.thickness

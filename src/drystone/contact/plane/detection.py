@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.boxed import boxed
 from drystone.contact import measures
 from drystone.contact.contacts import Contacts, Pairs, Slots
 from drystone.contact.plane import narrow
@@ -43,6 +44,7 @@ class PlaneNarrowPhase:
             arm=np.zeros_like(shapes.vertices),
             rotation=np.zeros((assembly.n_bodies, 2)),
         )
+        self.box = boxed((self.bodies, self.world))
 
     def place(self, pose: Array) -> Array:
         """Core vertices in the poses (n, n_pose), (n_vertices, dim) [m]; scratch."""
@@ -55,7 +57,7 @@ class PlaneNarrowPhase:
 
     def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
         """Find all contacts with gaps up to ``reach`` [m], into ``slots``."""
-        narrow.find_contacts(self.bodies, pose, self.world, pairs, reach, slots)
+        narrow.find_contacts(self.box, pose, pairs, reach, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
         """The contacts in ``known``, by their features, in other poses, into ``slots``."""

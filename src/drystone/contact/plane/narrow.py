@@ -362,8 +362,12 @@ def _measure(bodies, pose, world, pairs, slots):
 
 
 @njit(cache=True, error_model="numpy")
-def find_contacts(bodies, pose, world, pairs, reach, slots):
-    """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched."""
+def find_contacts(box, pose, pairs, reach, slots):
+    """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched.
+
+    The ``box`` is one of `Bodies` and of their `World`, which is scratch.
+    """
+    bodies, world = box.value
     place(bodies, pose, world)
     # Fields read once: in the loop each reading would count references.
     offset, following, length = bodies.offset, bodies.following, bodies.length

@@ -33,7 +33,14 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.contact.plane.narrow import Bodies, World, follow_contacts
-from drystone.contact.plane.rows import N_DOF, add_force, along, gradients, second_derivatives
+from drystone.contact.plane.rows import (
+    N_DOF,
+    add_force,
+    along,
+    gradients,
+    second_derivatives,
+    slot_rows,
+)
 from drystone.contact.plane.rows import slip as slip_of
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law.columns import DILATION, SHEAR
@@ -93,6 +100,19 @@ def locate_at(begin, x, now, slots, contacts, count, trial):
             now[i, d] = begin.pose[i, d] + x[i, d]
     follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, slots)
     locate(slots, begin.history, begin.there, begin.lines, contacts, count, x, trial)
+
+
+@njit(cache=True, error_model="numpy")
+def take_lines(box, guess):
+    """Fill the ``lines`` of a step that is expected to end at increments ``guess`` (n, n_dof): the
+    gradients midway."""
+    located = box.value[0]
+    begin, now = located.begin, located.now
+    for i in range(guess.shape[0]):
+        for d in range(guess.shape[1]):
+            now[i, d] = begin.pose[i, d] + 0.5 * guess[i, d]
+    follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, located.slots)
+    slot_rows(located.slots, begin.lines)
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from drystone.common.boxed import boxed
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
-from drystone.contact.plane import narrow, rows
+from drystone.contact.plane import narrow
 from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.law import plane as plane_law
 from drystone.law.branches import OPEN
@@ -113,13 +113,10 @@ class PlaneStep(StaticStep):
         super().again()
 
     def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
-        detector = self.constants.detector
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.begins.pose[:] = self.pose
-        half = detector.assembly.moved(self.pose, 0.5 * guess)
-        detector.follow(self.pairs, half, self.known, self.slots)
-        rows.slot_rows(self.slots, self.lines)
+        contacts.take_lines(self.box, guess)
         self.there[:] = slots.kind != NONE
         self.closed[:] = branch != OPEN
         self.before, self.rounds = self.kept.copy(), 0
