@@ -113,6 +113,15 @@ def rotated(vectors: Array, pose: Array) -> Array:
     return after
 
 
+def rotated_vector(vector: Array, pose: Array) -> Array:
+    """A vector (dim,) of one body after the rotation of its pose (n_pose,)."""
+    if len(pose) == 7:
+        return np.asarray(rotated(vector[None], pose[None])[0])
+    (x, y), theta = vector.tolist(), float(pose[2])
+    c, s = math.cos(theta), math.sin(theta)
+    return np.array([c * x - s * y, s * x + c * y])
+
+
 def moved_points(
     points: Array, owner: IntArray, centroid: Array, pose: Array, *, linear: bool = False
 ) -> Array:
@@ -151,8 +160,9 @@ def advance(arm: Array, motion: Array, axis: Array, axes: Array) -> float:
     increment of the body (n_dof,), whose principal axes are the columns of ``axes`` before."""
     if len(motion) == 6:
         return float(rotation.advance(arm, motion, axis, axes))
-    (ux, uy), (x, y), (dx, dy) = motion[:2].tolist(), arm.tolist(), axis.tolist()
-    rotated_x, rotated_y = _rotated_arm(arm, motion)
+    # Python's numbers, here and below: this is asked for several times in every step.
+    (ux, uy, theta), (x, y), (dx, dy) = motion.tolist(), arm.tolist(), axis.tolist()
+    rotated_x, rotated_y = _rotated_arm(x, y, theta)
     return float(dx * (ux + rotated_x - x) + dy * (uy + rotated_y - y))
 
 
@@ -162,12 +172,13 @@ def gradient_of_advance(arm: Array, motion: Array, axis: Array, axes: Array) -> 
         gradient = np.empty(6)
         rotation.gradient_of_advance(arm, motion, axis, axes, gradient)
         return gradient
-    (dx, dy), (rotated_x, rotated_y) = axis.tolist(), _rotated_arm(arm, motion)
+    dx, dy = axis.tolist()
+    x, y = arm.tolist()
+    rotated_x, rotated_y = _rotated_arm(x, y, float(motion[2]))
     return np.array([dx, dy, dy * rotated_x - dx * rotated_y])
 
 
-def _rotated_arm(arm: Array, motion: Array) -> tuple[float, float]:
-    (x, y), theta = arm.tolist(), float(motion[2])
+def _rotated_arm(x: float, y: float, theta: float) -> tuple[float, float]:
     s, versine = math.sin(theta), 2.0 * math.sin(0.5 * theta) ** 2
     return x * (1.0 - versine) - s * y, y * (1.0 - versine) + s * x
 

@@ -33,6 +33,11 @@ class PrescribedDisplacement(Protocol):
         """The body that a spring restrains where the matrix may be singular."""
         ...
 
+    @property
+    def increment(self) -> float:
+        """By how much it is to increase [m]."""
+        ...
+
     def missing(self, x: Array) -> float:
         """What is missing of the increment [m]."""
         ...

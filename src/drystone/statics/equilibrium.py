@@ -583,10 +583,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return None
         control = state.prepared.problem.control_point
         designed = control.point - state.prepared.assembly.centroid[control.block]
-        (arm,) = motion.rotated(designed[None], state.pose[control.block, None])
         return PointDisplacement(
             body=control.block,
-            arm=arm,
+            arm=motion.rotated_vector(designed, state.pose[control.block]),
             axis=control.direction,
             axes=self._axes_of(state, control.block),
             increment=demand.increment,

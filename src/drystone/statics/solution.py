@@ -353,7 +353,7 @@ def _from_inside(
     """Solve a step from the interior of the law, or by Newton's method where no contact changed."""
     solver = _Solver(step, accuracy, settings)
     driven = step.constants.detector.farthest(step.given)
-    increment = step.prescribed.missing(np.zeros_like(guesses[0])) if step.prescribed else driven
+    increment = step.prescribed.increment if step.prescribed else driven
     follows = (step.prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
     slope = before.slope
     if follows and step.prescribed is not None and not math.isfinite(slope):

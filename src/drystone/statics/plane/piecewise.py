@@ -98,7 +98,7 @@ def follow(
             break
         step.evaluate(x, multiplier)
         if count == 1 and prescribed:
-            sense = -1.0 if prescribed.missing(np.zeros_like(x)) < 0.0 else 1.0
+            sense = -1.0 if prescribed.increment < 0.0 else 1.0
             shape = _shape(step.bends(changes), start, multiplier, sense)
         enough = step.enough(accuracy, moved)
         if enough > max(accuracy.coarsest, accuracy.tolerance):
