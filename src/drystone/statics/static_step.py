@@ -569,18 +569,13 @@ class StaticStep(ABC):
         return spread
 
     def judged(self, history: Array) -> JudgedContacts:
-        """The contacts as last evaluated; with their ``history``, see `finish`."""
-        n, dim = self.n, self.dim
-        contacts = Contacts.empty(n, dim, 0)
-        contacts.which[:], contacts.table[:] = self.which[:n], self.table[:n]
-        contacts.table[:, TRIAL_N], contacts.table[:, TRIAL_T] = (
-            self.trial[:n, 0],
-            self.trial[:n, 1],
-        )
+        """The contacts as last evaluated, in views; with their ``history``, see `finish`."""
+        n, dim, contacts = self.n, self.dim, self.contacts.of(slice(self.n))
+        contacts.table[:, TRIAL_N : TRIAL_T + 1] = self.trial[:n, :2]
         return JudgedContacts.with_history(
             contacts,
             self.gaps(),
-            history[self.which[:n, SLOT]],
+            history[contacts.slot],
             self.reaction[:n, :dim],
             self.trial[:n, 1:dim],
         )

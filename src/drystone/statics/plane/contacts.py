@@ -103,6 +103,13 @@ def locate_at(begin, x, now, slots, contacts, count, trial):
 
 
 @njit(cache=True, error_model="numpy")
+def locate_all(box, count):
+    """Contacts at the increments of a step, and their trial reactions; see `evaluate`."""
+    begin, x, now, slots, contacts, answer, _, _ = box.value[0]
+    locate_at(begin, x, now, slots, contacts, count, answer.trial)
+
+
+@njit(cache=True, error_model="numpy")
 def take_lines(box, guess):
     """Fill the ``lines`` of a step that is expected to end at increments ``guess`` (n, n_dof): the
     gradients midway."""

@@ -134,9 +134,7 @@ class PlaneStep(StaticStep):
         return self.constants.detector.farthest(self.pose)
 
     def _locate_all(self) -> None:
-        contacts.locate_at(
-            self.begins, self.x, self.now, self.slots, self.contacts, self.n, self.trial
-        )
+        contacts.locate_all(self.box, self.n)
 
     def _respond(self, low: int, high: int) -> None:
         first, last = self.first[low], self.first[high]
