@@ -89,7 +89,7 @@ class Pieces(NamedTuple):
     geometric: Tangent
     tangent: Tangent  # all, with inertia
     damping: Array  # (n,)
-    away: Array  # (n, n_dof) from there to where the path is
+    away: Array  # (n, n_dof) from where they are linear to where the path is
 
 
 class Rules(NamedTuple):
