@@ -96,6 +96,12 @@ class TestOverlap:
         assert weight.sum() == pytest.approx(area, rel=1e-12)
         assert weight[:n] @ (point[:n] - centroid) == pytest.approx(0.0, abs=1e-12)
 
+    def test_points_on_a_line_beside_the_centroid_share_the_area(self):
+        """No change of weights that is linear in the place leaves them a first moment of zero."""
+        point, weight = np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([1.0, 1.0])
+        overlap.scale(point, 2, 0.0, 0.0, 3.0, weight)
+        assert weight.tolist() == [1.5, 1.5]
+
     # Per area and half the side: sum of w r over its integral 0.7652 (mean distance from the
     # centre of a square of half side 1), sum of w r^2 over 2/3, sum of w x^2 over 1/3.
     @pytest.mark.parametrize(

@@ -448,13 +448,14 @@ def scale(point, n, cx, cy, area, weight):
     det = xx * yy - xy * xy
     if det > ROUNDING * (xx + yy) ** 2:
         ax, ay = (xy * my - yy * mx) / det, (xy * mx - xx * my) / det
-        constant = 1.0 / (1.0 + (ax * mx + ay * my) / total)
         least = 1.0
         for i in range(n):
             x, y = point[i, 0] - cx, point[i, 1] - cy
             least = min(least, 1.0 + ax * x + ay * y)
-        if least <= 0.0:
-            ax, ay, constant = 0.0, 0.0, 1.0
+        if least > 0.0:
+            constant = 1.0 / (1.0 + (ax * mx + ay * my) / total)
+        else:
+            ax, ay = 0.0, 0.0
     for i in range(n):
         x, y = point[i, 0] - cx, point[i, 1] - cy
         weight[i] *= constant * (1.0 + ax * x + ay * y) * (area / total)
