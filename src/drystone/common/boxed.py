@@ -8,7 +8,7 @@ kernel takes the box, and reads the arrays from its ``value``.
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Self
 
 from numba.core import config
 
@@ -21,6 +21,7 @@ if config.DISABLE_JIT:
         return SimpleNamespace(value=value)
 
 else:
+    from numba import typeof
     from numba.core import types
     from numba.experimental import structref
 
@@ -29,12 +30,25 @@ else:
         """The compiler's type of boxes."""
 
     class Box(structref.StructRefProxy):
-        """A box as Python holds it; its contents are for kernels alone."""
+        """A box as Python holds it; its ``value`` is for kernels that are interpreted."""
+
+        value: Any
+
+        def __new__(cls, value: Any) -> Self:
+            """One that no compiled kernel can take: for `compilation.rehearse`."""
+            box = object.__new__(cls)
+            box._type, box.value = BoxType([("value", typeof(value))]), value
+            return box
 
     structref.define_constructor(Box, BoxType, ["value"])
     structref.define_boxing(BoxType, Box)
 
     @njit(cache=True)
-    def boxed(value):  # type: ignore[no-untyped-def]
-        """A box of arrays, numbers, and tuples of them."""
+    def _boxed(value):  # type: ignore[no-untyped-def]
         return Box(value)
+
+    def boxed(value: Any) -> Any:
+        """A box of arrays, numbers, and tuples of them."""
+        box = _boxed(value)
+        box.value = value
+        return box
