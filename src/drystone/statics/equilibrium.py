@@ -294,9 +294,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         elif prescribes and not demand.time_step > 0.0:
             new, outcome = self._bond_steps(state.prepared, demand, farthest).advance(state)
         else:
-            # Bonds that break in the step are taken out where it begins: by the pairs there.
-            one = partial(self._step_of_pairs, demand=demand, farthest=farthest)
-            new, outcome = self._bonds(state.prepared, lambda state, _: one(state)).again(state)
+
+            def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
+                # Bonds that break in the step are taken out where it begins: by the pairs there.
+                return self._step_of_pairs(state, demand, farthest)
+
+            new, outcome = self._bonds(state.prepared, solve).again(state)
             new, outcome = self._with_new_pairs(state, new, outcome)
         if outcome.converged and outcome.dynamic:
             new = self._drop_departed(new)

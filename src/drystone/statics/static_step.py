@@ -293,10 +293,6 @@ class StaticStep(ABC):
     def balance(self, reaction: Array) -> float:
         """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
         self._sum_forces(reaction)
-        return self._balance()
-
-    def _balance(self) -> float:
-        """The same, the contacts' forces having been summed."""
         self._act()
         if self.loads.ties:
             self.loads.ties.add_to(self.contact_force)
@@ -352,17 +348,11 @@ class StaticStep(ABC):
         if c.acting:
             turning = c.acting.stiffness(self._pose_now(), self.multiplier)
             self.tangent.diagonal[:, self.dim :, self.dim :] += turning
-        gradient = self.prescribed.gradient(self.x) if self.prescribed else None
-        return self._factorise(gradient, least_damping)
-
-    def _factorise(self, gradient: Array | None, least_damping: float) -> bool:
-        """Factorise the tangent with inertia, and the border: the gradient (n, n_dof) of the
-        prescribed displacement."""
         bordered, mass = self.bordered, self.loads.mass
-        body = self._border(gradient)
         spring = balance.stiffen(
-            self.tangent.diagonal, mass, self.inertia_factor, self.damping, body, bordered.axis
-        )
+            self.tangent.diagonal, mass, self.inertia_factor, self.damping, self._border(),
+            bordered.axis,
+        )  # fmt: skip
         pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
         self.n_due, bordered.sign[0] = 1, np.sign(pivot)
         if pivot == 0.0 or self.prescribed is None:
@@ -372,16 +362,17 @@ class StaticStep(ABC):
         self.n_due = 3
         return True
 
-    def _border(self, gradient: Array | None) -> int:
-        """Border the matrix with the gradient of the prescribed displacement; its body, or -1."""
+    def _border(self) -> int:
+        """Border the matrix with the gradient of the prescribed displacement where the step is; its
+        body, or -1."""
         bordered = self.bordered
         bordered.determinant_ratio[0] = -1.0
-        if self.prescribed is None or gradient is None:
+        if self.prescribed is None:
             return -1
         body = self.prescribed.body
-        bordered.gradient[:] = gradient
+        bordered.gradient[:] = self.prescribed.gradient(self.x)
         bordered.axis[:] = 0.0
-        bordered.axis[body] = gradient[body]
+        bordered.axis[body] = bordered.gradient[body]
         return body
 
     def solve(self, missing: float) -> float:

@@ -90,52 +90,47 @@ class Located(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def locate_at(begin, x, now, slots, contacts, count, trial):
-    """Contacts at increments ``x`` (n, n_dof), and their trial reactions; see `locate`.
-
-    ``now`` (n, 3) is filled with the poses there, ``slots`` with the contacts.
-    """
-    for i in range(x.shape[0]):
-        for d in range(x.shape[1]):
-            now[i, d] = begin.pose[i, d] + x[i, d]
-    follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, slots)
-    locate(slots, begin.history, begin.there, begin.lines, contacts, count, x, trial)
-
-
-@njit(cache=True, error_model="numpy")
-def locate_all(box, count):
-    """Contacts at the increments of a step, and their trial reactions; see `evaluate`."""
-    begin, x, now, slots, contacts, answer, _, _ = box.value[0]
-    locate_at(begin, x, now, slots, contacts, count, answer.trial)
+def _follow(located, increment, share):
+    """Contacts by the features that are followed, after a share of increments (n, n_dof)."""
+    begin, now = located.begin, located.now
+    for i in range(now.shape[0]):
+        for d in range(now.shape[1]):
+            now[i, d] = begin.pose[i, d] + share * increment[i, d]
+    follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, located.slots)
 
 
 @njit(cache=True, error_model="numpy")
 def take_lines(box, guess):
     """Fill the ``lines`` of a step that is expected to end at increments ``guess`` (n, n_dof): the
-    gradients midway."""
+    gradients midway.  The `Located` are the first in the ``box``, here and below."""
     located = box.value[0]
-    begin, now = located.begin, located.now
-    for i in range(guess.shape[0]):
-        for d in range(guess.shape[1]):
-            now[i, d] = begin.pose[i, d] + 0.5 * guess[i, d]
-    follow_contacts(begin.bodies, now, begin.world, begin.pairs, begin.known, located.slots)
-    slot_rows(located.slots, begin.lines)
+    _follow(located, guess, 0.5)
+    slot_rows(located.slots, located.begin.lines)
+
+
+@njit(cache=True, error_model="numpy")
+def locate_all(box, count):
+    """Contacts at the increments of a step, and their trial reactions; see `locate`."""
+    located = box.value[0]
+    begin = located.begin
+    _follow(located, located.x, 1.0)
+    locate(
+        located.slots, begin.history, begin.there, begin.lines, located.contacts, count, located.x,
+        located.answer.trial,
+    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
 def evaluate(box, count, multiplier, inertia_factor):
-    """Contacts at the increments, their reactions, and what is unbalanced; see `locate_at` and
-    `balance.unbalance`.
-
-    The `Located` are the first in the ``box``; all are filled.
-    """
-    begin, x, now, slots, contacts, answer, held, forces = box.value[0]
-    locate_at(begin, x, now, slots, contacts, count, answer.trial)
+    """The same, with the contacts' reactions and what is unbalanced; see `balance.unbalance`."""
+    located = box.value[0]
+    contacts, answer, forces = located.contacts, located.answer, located.forces
+    locate_all(box, count)
     choose(contacts.table, 0, count, answer.branch)
     respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
     sum_forces(contacts, count, answer.reaction, forces.contact)
-    add(held, forces.contact)
-    return unbalance(forces, multiplier, x, inertia_factor)
+    add(located.held, forces.contact)
+    return unbalance(forces, multiplier, located.x, inertia_factor)
 
 
 @njit(cache=True, error_model="numpy")

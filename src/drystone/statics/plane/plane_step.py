@@ -188,9 +188,8 @@ class PlaneStep(StaticStep):
             others.diagonal[:, 2:, 2:] = acting.stiffness(self._pose_now(), self.multiplier)
         if ties and self.joined:
             self.joined.stiffen(others, ties.stiffness())
-        gradient = self.prescribed.gradient(self.x) if self.prescribed else None
         rules = path.Rules(
-            body=self._border(gradient),
+            body=self._border(),
             lag=self.missing,
             inertia_factor=self.inertia_factor,
             patience=patience,
