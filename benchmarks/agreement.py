@@ -9,8 +9,16 @@ a static point of one lies from the other curve, multipliers over the peak and d
 that of the last point at rest, up to the peak the median and the largest of all points; and by how
 much the peaks differ, over the peak.  Where one of them but the largest, which a jump makes that
 comes a step sooner or later, is above 1 %, the structure is listed with all figures, and so is
-every capacity above the associative multiplier, with its cause (`drystone.limit.excess`).  The
-kinds are those of `tests/random_kinds.py`; structures of more than ``--blocks`` are left out.
+every capacity above the associative multiplier, with its cause (`drystone.limit.excess`).
+
+A difference is explained where both rest.  Of the static points of the other curve that lie apart
+three are taken, at a quarter, half and three quarters of how far they reach.  Their states are
+handed over to `equilibrium`, which looks for an equilibrium next to each.  What counts is one that
+no block moves to by more than a hundredth of the smallest block, with the multiplier of the other
+engine within 1 % of the peak: then there are two equilibria at this displacement, and each engine
+has found one of them.
+
+The kinds are those of `tests/random_kinds.py`; structures of more than ``--blocks`` are left out.
 """
 
 from __future__ import annotations
@@ -22,7 +30,7 @@ import argparse
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import harness
@@ -30,6 +38,7 @@ import numpy as np
 
 import drystone as ds
 from drystone.limit import limits_beside
+from handover import KEPT, KeptStates, rest_near
 from random_kinds import KINDS
 from static_branches import apart, static_branch
 
@@ -38,6 +47,31 @@ from static_branches import apart, static_branch
 RISE, AFTER = 1.2, (0.1, 0.25, 0.5)
 #: Differences, over the peak, up to which engines agree.
 AGREED = 0.01
+#: Places that are looked at where curves differ, of how far the points reach that lie apart.
+BETWEEN = (0.25, 0.5, 0.75)
+#: Motion of a block to an equilibrium, over the smallest block, up to which it is the same state.
+SAME_STATE = 0.01
+#: Increment of the control displacement with which it is looked for, over the smallest block.
+NEXT = 5e-5
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoAtRest:
+    """Two engines at one displacement, and what `equilibrium` finds next to the state of the
+    other."""
+
+    displacement: float  # m
+    ours: float  # multiplier by `equilibrium`
+    theirs: float
+    found: float = np.nan  # by `equilibrium`, next to the state of the other
+    motion: float = np.nan  # over the smallest block, of the block that moves farthest to there
+    shown: bool = False  # whether that is an equilibrium in the same state
+
+    def __str__(self) -> str:
+        at = f"at {self.displacement:.4g} m {self.ours:.4f} and {self.theirs:.4f}"
+        if np.isnan(self.found):
+            return f"{at}, where equilibrium finds no rest"
+        return f"{at}, where equilibrium finds {self.found:.4f} in {self.motion:.1e} of a block"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +89,7 @@ class Compared:
     largest: float = 0.0
     after: tuple[float, ...] = ()
     other_reason: str = ""
+    both: tuple[TwoAtRest, ...] = ()  # where they differ
     seconds: float = 0.0  # of the other engine
 
     @property
@@ -67,6 +102,11 @@ class Compared:
         """Whether nothing differs by more than `AGREED`."""
         return max(self.peaks, self.rise, *self.after, 0.0) <= AGREED
 
+    @property
+    def explained(self) -> bool:
+        """Whether there are two equilibria wherever they differ."""
+        return bool(self.both) and all(one.shown for one in self.both)
+
     def __str__(self) -> str:
         if self.note:
             return f"{self.kind} {self.seed} {self.engine}: {self.note}"
@@ -76,8 +116,14 @@ class Compared:
             f"and {self.other_peak:.5g} ({100.0 * self.peaks:.2f} %), up to "
             f"{RISE} of it {100.0 * self.rise:.2f} % (largest {100.0 * self.largest:.2f} %), "
             f"after {after} %, {self.seconds:.1f} s"
-            + ("" if self.agrees else f": DIFFERS; {self.other_reason[:150]}")
+            + ("" if self.agrees else f": {self._difference()}")
         )
+
+    def _difference(self) -> str:
+        both = "; ".join(str(one) for one in self.both)
+        if self.explained:
+            return f"two equilibria: {both}"
+        return f"DIFFERS; {both}; {self.other_reason[:150]}"
 
 
 def compared(
@@ -93,20 +139,22 @@ def compared(
         with robustness.at_most(limit):
             # One step more than is read.
             most = 1.05 * max(RISE * top, float(far[-1])) + 1e-6
-            other = ds.pushover(model, engine=engine, progress=False, max_displacement=most)
+            by = KEPT[engine]() if engine in KEPT else engine
+            other = ds.pushover(model, engine=by, progress=False, max_displacement=most)
         if other.status == "interrupted":
             return Compared(**what, note=f"more than {limit} s")
     except robustness.TooLongError:
         return Compared(**what, note=f"more than {limit} s at its start")
     except Exception as error:  # listed, not to end the run
         return Compared(**what, note=f"{type(error).__name__}: {str(error)[:150]}")
+    seconds = round(time.process_time() - begun, 2)
     scale = np.array([end, ours.peak.load_multiplier])
     theirs, mine = static_branch(other) / scale, line / scale
     rise = [
         apart(one[one[:, 0] <= RISE * top / end], two)
         for one, two in ((theirs, mine), (mine, theirs))
     ]
-    return Compared(
+    result = Compared(
         **what,
         peak=ours.peak.load_multiplier,
         other_peak=other.peak.load_multiplier,
@@ -114,8 +162,45 @@ def compared(
         largest=float(max(one.max() for one in rise)),
         after=tuple(float(apart(_near(mine, x / end), theirs)[0]) for x in far),
         other_reason=other.reason,
-        seconds=round(time.process_time() - begun, 2),
+        seconds=seconds,
     )
+    if result.agrees or engine not in KEPT:
+        return result
+    away = static_branch(other)[apart(theirs, mine) > AGREED, 0]
+    places = {float(_near(away[:, None], x)[0, 0]) for x in _within(away)} if len(away) else ()
+    return replace(result, both=tuple(two_at_rest(ours, other, by, x) for x in sorted(places)))
+
+
+def _within(displacements: np.ndarray) -> np.ndarray:
+    """Three places within how far displacements reach."""
+    low, high = displacements.min(), displacements.max()
+    return np.asarray(low + np.array(BETWEEN) * (high - low))
+
+
+def two_at_rest(
+    ours: ds.CapacityCurve, other: ds.CapacityCurve, kept: KeptStates, place: float
+) -> TwoAtRest:
+    """Both engines at a displacement [m]; `equilibrium` begins again from the state of the
+    other."""
+    problem = kept.kept[0].prepared.problem
+    size = problem.assembly.smallest_extent
+    there = np.array([problem.length * kept.displacement(state) for state in kept.kept])
+    state = kept.kept[int(np.argmin(np.abs(there - place)))]
+    theirs = _multiplier_at(other, problem.length * kept.displacement(state))
+    two = TwoAtRest(displacement=place, ours=_multiplier_at(ours, place), theirs=theirs)
+    found = rest_near(kept, state, theirs, NEXT * size)
+    if found is None:
+        return two
+    motion = found.motion / (problem.length * size)
+    near = abs(found.multiplier - theirs) <= AGREED * ours.peak.load_multiplier
+    return replace(
+        two, found=found.multiplier, motion=motion, shown=bool(motion <= SAME_STATE and near)
+    )
+
+
+def _multiplier_at(curve: ds.CapacityCurve, place: float) -> float:
+    """Of the static point that is nearest to a displacement [m]."""
+    return float(_near(static_branch(curve), place)[0, 1])
 
 
 def _near(branch: np.ndarray, place: float) -> np.ndarray:
@@ -137,6 +222,7 @@ def summary(runs: Sequence[Compared]) -> str:
         for kind, part in [*parts.items(), ("all", own)]:
             both = [run for run in part if not run.note]
             agree = sum(run.agrees for run in both)
+            explained = sum(run.explained for run in both if not run.agrees)
             rows.append({
                 "engine": engine,
                 "kind": kind,
@@ -144,6 +230,8 @@ def summary(runs: Sequence[Compared]) -> str:
                 "compared": len(both),
                 "within 1 %": agree,
                 "share": f"{100.0 * agree / max(len(both), 1):.0f} %",
+                "two equilibria": explained,
+                "unexplained": len(both) - agree - explained,
                 "seconds": f"{sum(run.seconds for run in both):.0f}",
             })  # fmt: skip
     return harness.table(rows) if rows else "nothing was compared"

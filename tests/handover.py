@@ -6,15 +6,16 @@ in the structure's own frame, see `drystone.engines.frame`.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.dynamics.distinct.engine import DistinctEngine
 from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.nscd import NscdEngine, NscdState
+from drystone.engines.base import Demand
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
-from drystone.law.columns import BROKEN, MU, SHEAR
+from drystone.law.columns import BROKEN, MU, N_HISTORY, SHEAR
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 
 
@@ -50,31 +51,96 @@ class KeptNscd(KeptStates, NscdEngine):
     """See `KeptStates`."""
 
 
-def to_equilibrium(begun: EquilibriumState, state: DistinctState) -> EquilibriumState:
-    """On from another state, of the same problem."""
-    normal, tangential = state.reaction.T
+#: By the engine's name.
+KEPT: dict[str, type[KeptStates]] = {"distinct": KeptDistinct, "nscd": KeptNscd}
+
+
+def to_equilibrium(
+    begun: EquilibriumState,
+    state: DistinctState | NscdState,
+    multiplier: float | None = None,
+) -> EquilibriumState:
+    """On from another state, of the same problem, in the plane or in space.
+
+    Parameters
+    ----------
+    multiplier
+        Under which the state rests; that of the state where it has one.
+    """
+    normal, shear = state.reaction[:, 0], state.reaction[:, 1:]
     friction = begun.prepared.laws[state.pairs.law_of_slot, MU]
-    sliding = np.where(tangential > 0.0, FORWARD, BACKWARD)
+    # In space what slides does so under positive shear: that is its size.
+    backward = (shear[:, 0] <= 0.0) & (shear.shape[1] == 1)
     # On the cone to the millionth that the other engine's rest is known to.
-    sticks = np.abs(tangential) < friction * normal * (1.0 - 1e-6)
-    branch = np.where(sticks, STICKING, sliding)
+    sticks = np.linalg.norm(shear, axis=1) < friction * normal * (1.0 - 1e-6)
+    branch = np.where(sticks, STICKING, np.where(backward, BACKWARD, FORWARD))
+    if isinstance(state, NscdState):
+        history = dry_history(state)
+        margin = np.full(len(normal) + begun.prepared.bars.n_ties, np.inf)
+        due = np.zeros(0, np.int64)
+    else:
+        history, margin, due = state.history, state.margin, state.due
     return EquilibriumState(
         prepared=begun.prepared,
         stage=begun.stage,
         pose=state.pose,
-        multiplier=state.multiplier,
+        multiplier=state.multiplier if multiplier is None else multiplier,
         pairs=state.pairs,
         paired_at=state.pairs.pose,
         slots=state.slots,
-        history=state.history,
+        history=history,
         reaction=state.reaction,
         branch=np.where(normal <= 0.0, OPEN, branch),
-        last_increment=np.zeros_like(state.pose),
-        margin=state.margin,
-        due=state.due,
+        last_increment=begun.prepared.assembly.no_motion(),
+        margin=margin,
+        due=due,
         departed=state.departed,
         ties=state.ties,
     )
+
+
+def dry_history(state: NscdState) -> np.ndarray:
+    """History of the contacts of an engine that has none: dry joints with the shear they carry."""
+    history = np.zeros((len(state.reaction), N_HISTORY + state.reaction.shape[1] - 2))
+    history[:, SHEAR:] = state.reaction[:, 1:]
+    history[:, BROKEN] = 1.0
+    return history
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rest:
+    """Where `equilibrium` rests near a state of another engine."""
+
+    multiplier: float
+    motion: float  # m, of the block that moves farthest to get there
+
+
+def rest_near(
+    kept: KeptStates, state: DistinctState | NscdState, multiplier: float, step: float
+) -> Rest | None:
+    """The equilibrium that `equilibrium` finds near a state of another engine; None where it finds
+    none at rest.
+
+    Parameters
+    ----------
+    kept
+        The engine that has kept the state.
+    multiplier
+        Under which the state rests.
+    step
+        Increment of the control displacement [of the own frame's unit]; smaller ones and those in
+        the other sense are tried where a path turns back within it.
+    """
+    problem = kept.kept[0].prepared.problem
+    engine = EquilibriumEngine()
+    begun, _ = engine.start(problem)
+    taken = to_equilibrium(begun, state, multiplier)
+    for increment in (step, -step, 0.1 * step, -0.1 * step):
+        _, report = engine.step(taken, Demand(increment=increment))
+        if report.converged and not report.dynamic:
+            motion = problem.length * report.motion
+            return Rest(multiplier=report.static_multiplier, motion=motion)
+    return None
 
 
 def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> DistinctState:
@@ -99,16 +165,12 @@ def from_nscd(
     engine: DistinctEngine, problem, state: NscdState, multiplier: float
 ) -> DistinctState:
     """For an engine that has not been started; joints have the shear that they carry."""
-    begun = engine.release(problem, state.pose)
-    history = np.zeros((len(state.reaction), begun.history.shape[1]))
-    history[:, SHEAR:] = state.reaction[:, 1:]
-    history[:, BROKEN] = 1.0
     return replace(
-        begun,
+        engine.release(problem, state.pose),
         multiplier=multiplier,
         pairs=state.pairs,
         slots=state.slots,
-        history=history,
+        history=dry_history(state),
         reaction=state.reaction,
         status=np.zeros(len(state.status), np.int64),
         margin=np.full(len(state.reaction), np.inf),
