@@ -11,9 +11,9 @@ much the peaks differ, over the peak.  Where one of them but the largest, which 
 comes a step sooner or later, is above 1 %, the structure is listed with all figures, and so is
 every capacity above the associative multiplier, with its cause (`drystone.limit.excess`).
 
-A difference is explained where both rest.  Of the static points of the other curve that lie apart
-three are taken, at a quarter, half and three quarters of how far they reach.  Their states are
-handed over to `equilibrium`, which looks for an equilibrium next to each.  What counts is one that
+A difference is explained where both rest.  Of the static points of the other curve that lie apart,
+above the stop value, three are taken, at a quarter, half and three quarters of how far they reach.
+Their states are handed over to `equilibrium`, which looks for an equilibrium next to each.  What counts is one that
 no block moves to by more than a hundredth of the smallest block, with the multiplier of the other
 engine within 1 % of the peak: then there are two equilibria at this displacement, and each engine
 has found one of them.
@@ -51,7 +51,7 @@ AGREED = 0.01
 BETWEEN = (0.25, 0.5, 0.75)
 #: Motion of a block to an equilibrium, over the smallest block, up to which it is the same state.
 SAME_STATE = 0.01
-#: Increment of the control displacement with which it is looked for, over the smallest block.
+#: Largest increment of the control displacement with which it is looked for, over the smallest block.
 NEXT = 5e-5
 
 
@@ -140,7 +140,8 @@ def compared(
             # One step more than is read.
             most = 1.05 * max(RISE * top, float(far[-1])) + 1e-6
             by = KEPT[engine]() if engine in KEPT else engine
-            other = ds.pushover(model, engine=by, progress=False, max_displacement=most)
+            same = replace(model, control_point=ours.control_point)
+            other = ds.pushover(same, engine=by, progress=False, max_displacement=most)
         if other.status == "interrupted":
             return Compared(**what, note=f"more than {limit} s")
     except robustness.TooLongError:
@@ -166,33 +167,35 @@ def compared(
     )
     if result.agrees or engine not in KEPT:
         return result
-    away = static_branch(other)[apart(theirs, mine) > AGREED, 0]
-    places = {float(_near(away[:, None], x)[0, 0]) for x in _within(away)} if len(away) else ()
-    return replace(result, both=tuple(two_at_rest(ours, other, by, x) for x in sorted(places)))
+    points = static_branch(other)
+    away = points[(apart(theirs, mine) > AGREED) & (points[:, 1] > ours.stop_multiplier)]
+    if len(away):
+        low, high = away[:, 0].min(), away[:, 0].max()
+        chosen = [_near(away, low + share * (high - low))[0] for share in BETWEEN]
+    else:  # only ours has points apart
+        chosen = [
+            _near(points, x)[0] for x, one in zip(far, result.after, strict=True) if one > AGREED
+        ]
+    chosen = [chosen[k] for k in sorted({float(p[0]): k for k, p in enumerate(chosen)}.values())]
+    return replace(result, both=tuple(two_at_rest(ours, by, *point) for point in chosen))
 
 
-def _within(displacements: np.ndarray) -> np.ndarray:
-    """Three places within how far displacements reach."""
-    low, high = displacements.min(), displacements.max()
-    return np.asarray(low + np.array(BETWEEN) * (high - low))
+def two_at_rest(ours: ds.CapacityCurve, kept: KeptStates, place: float, theirs: float) -> TwoAtRest:
+    """Both engines at a static point of the other: a displacement [m] and a multiplier.
 
-
-def two_at_rest(
-    ours: ds.CapacityCurve, other: ds.CapacityCurve, kept: KeptStates, place: float
-) -> TwoAtRest:
-    """Both engines at a displacement [m]; `equilibrium` begins again from the state of the
-    other."""
+    `equilibrium` begins again from the state of the other there.
+    """
     problem = kept.kept[0].prepared.problem
     size = problem.assembly.smallest_extent
     there = np.array([problem.length * kept.displacement(state) for state in kept.kept])
     state = kept.kept[int(np.argmin(np.abs(there - place)))]
-    theirs = _multiplier_at(other, problem.length * kept.displacement(state))
     two = TwoAtRest(displacement=place, ours=_multiplier_at(ours, place), theirs=theirs)
-    found = rest_near(kept, state, theirs, NEXT * size)
+    most = AGREED * ours.peak.load_multiplier
+    found = rest_near(kept, state, theirs, NEXT * size, most)
     if found is None:
         return two
     motion = found.motion / (problem.length * size)
-    near = abs(found.multiplier - theirs) <= AGREED * ours.peak.load_multiplier
+    near = abs(found.multiplier - theirs) <= most
     return replace(
         two, found=found.multiplier, motion=motion, shown=bool(motion <= SAME_STATE and near)
     )

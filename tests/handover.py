@@ -116,10 +116,19 @@ class Rest:
 
 
 def rest_near(
-    kept: KeptStates, state: DistinctState | NscdState, multiplier: float, step: float
+    kept: KeptStates,
+    state: DistinctState | NscdState,
+    multiplier: float,
+    step: float,
+    most: float,
 ) -> Rest | None:
-    """The equilibrium that `equilibrium` finds near a state of another engine; None where it finds
-    none at rest.
+    """The equilibrium that `equilibrium` finds near a state of another engine: the first whose
+    multiplier differs by no more than ``most``, else the one that differs least; None where it
+    finds none at rest.
+
+    Stiff joints carry another load after the smallest displacement, so small increments come
+    first.  What slides on a plateau may go on in many ways: where no increment is found, the load
+    is taken back a little, and what slid then sticks.
 
     Parameters
     ----------
@@ -128,19 +137,25 @@ def rest_near(
     multiplier
         Under which the state rests.
     step
-        Increment of the control displacement [of the own frame's unit]; smaller ones and those in
-        the other sense are tried where a path turns back within it.
+        Largest increment of the control displacement [of the own frame's unit].
     """
     problem = kept.kept[0].prepared.problem
     engine = EquilibriumEngine()
     begun, _ = engine.start(problem)
     taken = to_equilibrium(begun, state, multiplier)
-    for increment in (step, -step, 0.1 * step, -0.1 * step):
-        _, report = engine.step(taken, Demand(increment=increment))
+    demands = [
+        *(Demand(increment=sense * s * step) for s in (0.01, 0.1, 1.0) for sense in (1.0, -1.0)),
+        *(Demand(multiplier=multiplier - s * most) for s in (0.05, 0.25, 0.5)),
+    ]
+    found: list[Rest] = []
+    for demand in demands:
+        _, report = engine.step(taken, demand)
         if report.converged and not report.dynamic:
             motion = problem.length * report.motion
-            return Rest(multiplier=report.static_multiplier, motion=motion)
-    return None
+            found.append(Rest(multiplier=report.static_multiplier, motion=motion))
+            if abs(found[-1].multiplier - multiplier) <= most:
+                return found[-1]
+    return min(found, key=lambda rest: abs(rest.multiplier - multiplier), default=None)
 
 
 def to_distinct(engine: DistinctEngine, problem, state: EquilibriumState) -> DistinctState:
