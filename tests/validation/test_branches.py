@@ -7,6 +7,7 @@ other: these tests hand them over.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -23,9 +24,11 @@ from handover import (
     KeptEquilibrium,
     KeptNscd,
     from_nscd,
+    rest_near,
     to_distinct,
     to_equilibrium,
 )
+from random_kinds import KINDS
 from structures import structure
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -162,6 +165,29 @@ def test_what_nscd_rests_on_before_its_fall_on_wall106_is_equilibrium():
         assert length * found.motion <= 2.0 * 2e-4  # as far as the control point, or twice that
     _, _, report = taken_over(lost - 1e-3)
     assert not report.converged or report.path.dynamic_states
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "seed", "place"), [("plane", 11, 0.152), ("solids", 19, 0.267)])
+def test_where_nscd_slides_on_both_engines_rest(kind, seed, place):
+    """At the friction coefficient one engine slides on and the other rocks, in the plane and in
+    space: `equilibrium` has its own point there, and finds the state of `nscd` in balance too."""
+    model = KINDS[kind](seed)
+    ours = ds.pushover(model, engine="equilibrium")
+    kept = KeptNscd()
+    curve = ds.pushover(
+        replace(model, control_point=ours.control_point), engine=kept, max_displacement=1.1 * place
+    )
+    problem, peak = kept.kept[0].prepared.problem, ours.peak.load_multiplier
+    there = np.array([problem.length * kept.displacement(state) for state in kept.kept])
+    at = int(np.argmin(np.abs(there - place)))
+    multiplier = curve.points[curve.nearest(there[at])].load_multiplier
+    size = problem.assembly.smallest_extent
+    rest = rest_near(kept, kept.kept[at], multiplier, 5e-5 * size, 0.01 * peak)
+    assert rest is not None
+    assert rest.multiplier == pytest.approx(multiplier, abs=0.01 * peak)
+    assert rest.motion <= 1e-3 * problem.length * size
+    assert abs(np.interp(place, *static(ours)) - multiplier) > 0.015 * peak
 
 
 @pytest.mark.slow
