@@ -17,8 +17,8 @@ Their states are handed over to `equilibrium`, which looks for an equilibrium ne
 counts is one that no block moves to by more than a hundredth of the smallest block, with the
 multiplier of the other engine within 1 % of the peak: then there are two equilibria at this
 displacement, and each engine has found one of them.  Where none is found, the residual of the
-other's certificate is told: rigid joints, as those of `nscd`, may hold what joints that give way a
-little let go.
+other's certificate is told: rigid joints, as those of `nscd`, may carry what elastic
+joints release.
 
 The kinds are those of `tests/random_kinds.py`; structures of more than ``--blocks`` are left out.
 """
