@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 import harness  # first: it holds the libraries' threads to one
@@ -37,12 +38,13 @@ class SweepTiming:
 
 def time_sweep(name: str, model: ds.Model) -> SweepTiming:
     """Time ``dynamics.sweeps.sweep`` on the contacts of the step in which the peak is found."""
-    caught: list[tuple[Any, ...]] = []
+    caught: list[dict[str, Any]] = []
     original = nlgs.solve
+    named = signature(original)
 
-    def spy(*args: Any) -> Any:
-        caught.append(args)
-        return original(*args)
+    def spy(*args: Any, **given: Any) -> Any:
+        caught.append(named.bind(*args, **given).arguments)
+        return original(*args, **given)
 
     nlgs.solve = spy
     try:
@@ -50,13 +52,14 @@ def time_sweep(name: str, model: ds.Model) -> SweepTiming:
         ds.pushover(model, engine=engine, max_displacement=0.01, progress=False)
     finally:
         nlgs.solve = original
-    problem, _, _, _, free_velocity, impulse, _, h, _ = caught[-1]
+    last = caught[-1]
+    problem, h = last["problem"], last["h"]
     blocks = np.zeros((len(problem.gap), 2, 2))
     kernels.delassus_blocks(IN_PLANE, problem, blocks)
     order = np.arange(len(problem.gap))
 
     def sweeps() -> None:
-        p, v = impulse.copy(), free_velocity.copy()
+        p, v = last["impulse"].copy(), last["free_velocity"].copy()
         kernels.apply_impulses(IN_PLANE, problem, p, v)
         sweep(IN_PLANE, problem, blocks, h, order, SWEEPS, p, v)
 

@@ -178,7 +178,10 @@ def main() -> None:
             ),
         )
     )
-    notes = f"HiGHS {version('highspy')} below 120 blocks, the interior-point method from there on."
+    notes = (
+        f"HiGHS {version('highspy')} below 600 contact points, "
+        "the interior-point method from there on."
+    )
     parts = {"published": walls, "large": walls_of_many, "arches": semicircles}
     harness.write("limit", "Limit analysis", notes, parts, text)
 
