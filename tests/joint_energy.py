@@ -80,8 +80,8 @@ class _Watched(EquilibriumEngine):
     def _accept(self, own, state, solved, h, demand):
         self.prepared, self.equations, self.constants = (
             state.prepared,
-            own.step,
-            own.loaded.constants,
+            own,
+            own.loaded,
         )
         origin, area = self.equations.origin.copy(), self._area_of_step()
         new, report = super()._accept(own, state, solved, h, demand)
@@ -158,7 +158,7 @@ class _Watched(EquilibriumEngine):
         return taken
 
     def _area(self, slots) -> Array:
-        return np.where(slots.kind != NONE, slots.size, 0.0) * self.constants.thickness
+        return np.where(slots.kind != NONE, slots.size, 0.0) * self.prepared.assembly.thickness
 
     def _stiff(self, law: IntArray, area: Array, column: int = KN) -> Array:
         """Stiffness [N/m]; infinite where there is no contact."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.language import say
+from drystone.common.tolerances import COARSEST
 from drystone.control.ends import COLLAPSED
 from drystone.model.model import Model
 from drystone.results.curve import DYNAMIC, FINISHED, CapacityCurve, CurvePoint
-from drystone.statics.equilibrium import COARSEST
 
 #: Residual over the heaviest weight that a point at rest may leave; the engine keeps a tenth of it.
 BALANCED = 1e-8

@@ -56,7 +56,7 @@ from drystone.law.columns import (
 from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import published_wall
 from drystone.model.joint_law import JointLaw
-from drystone.statics.linear.tangent import Tangent
+from drystone.statics.linear.symbolic import Tangent
 from drystone.statics.plane import contacts as step_contacts
 from interpreted import fewer
 

@@ -22,12 +22,12 @@ from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
 from drystone.statics import solution
-from drystone.statics.constants import Accuracy, PointDisplacement
+from drystone.statics.equations import Accuracy, PointDisplacement
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 from drystone.statics.plane import path
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.solution import Before, SolutionSettings, StepSolution
+from drystone.statics.solution import SolutionSettings, StepSolution
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels
@@ -99,11 +99,11 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         axes=assembly.axes[control.block],
         increment=increment,
     )
-    step = Recorded(engine.equations_of(state).constants, state.pairs)
+    step = Recorded(engine.equations_of(state).loaded, state.pairs)
     step.begin(
         state.pose, state.slots, state.history, state.branch, TIME_STEP, prescribed, guess
     )  # fmt: skip
-    accuracy = Accuracy(
+    step.accuracy = Accuracy(
         tolerance=tolerance,
         rounding=0.0,
         sliding_rounding=0.0,
@@ -117,9 +117,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
         [guess],
         state.multiplier,
         state.reaction,
-        accuracy,
         SolutionSettings(path=PathSettings(**options)),
-        Before(),
         beyond=whole,
     )
     return Taken(model, state, increment, guess, step, solved, tolerance)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drystone.contact.contacts import KIND, NONE, VERTEX_A, VERTEX_B, Pairs, Slots
-from drystone.statics.constants import Accuracy
+from drystone.statics.equations import Accuracy
 from drystone.statics.plane.plane_step import KEEP_STEPS, PlaneStep
 
 pytestmark = pytest.mark.kernels
@@ -42,14 +42,14 @@ class Step:
 
     def solve(self, start: Slots, detect) -> tuple[Slots, int]:
         """A step from these contacts: those that it ends with, and how often it was solved."""
-        accuracy = Accuracy(
+        self.accuracy = Accuracy(
             tolerance=1e-6, rounding=0.0, sliding_rounding=0.0, coarsest=1.0, depth=1e-12,
             pressed=0.0, farthest=1.0,
         )  # fmt: skip
         self.detect, self.slots, self.solutions = detect, start, 1
         self.before, self.rounds = self.kept.copy(), 0
         self.changes = np.where(self.kept > 0, 2, 0)
-        while self.update_contacts(accuracy):
+        while self.update_contacts():
             pass
         return self.found, self.solutions
 

@@ -10,7 +10,7 @@ from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import shared_lu
 from drystone.statics.linear import symbolic as lu_symbolic
 from drystone.statics.linear.shared_lu import SharedLU
-from drystone.statics.linear.tangent import Tangent
+from drystone.statics.linear.symbolic import Tangent
 
 pytestmark = pytest.mark.kernels
 

@@ -150,7 +150,7 @@ class TestTwist:
         )
         engine = EquilibriumEngine()
         state, _ = engine.start(problem_of(model))
-        pattern = engine.equations_of(state).constants.loads.pattern
+        pattern = engine.equations_of(state).loaded.loads.pattern
         pattern[1, :3] = 0.0
         pattern[1, 3:] = model.assembly.axes[1].T @ UP  # 1 N m
         for _ in range(6):

@@ -6,6 +6,7 @@ from dataclasses import Field, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from drystone.common.ranges import problem
+from drystone.control.progress import End
 from drystone.engines.base import Demand, StepReport
 
 if TYPE_CHECKING:
@@ -62,6 +63,29 @@ class Decision(Generic[Memory]):
     #: Load multipliers that the curve shows at the dynamic points within the step, see
     #: `StepPath.dynamic_states`: of all, or of none where the step is tried again.
     dynamic_multipliers: tuple[float, ...] = ()
+
+
+class Strategy(Generic[Memory]):
+    """What strategies share: their settings, and how they say what they have decided."""
+
+    def __init__(self, settings: Any) -> None:
+        self.settings = settings
+
+    def _demand(self, state: Memory) -> Demand:
+        raise NotImplementedError
+
+    def _decided(
+        self, state: Memory, end: End | None = None, *, accept: bool = True, **shown: Any
+    ) -> Decision[Memory]:
+        """A decision to go on from a state, or to end; or to try the step again."""
+        return Decision(
+            accept=accept,
+            demand=None if end else self._demand(state),
+            state=state,
+            reason=end.reason if end else "",
+            finished=end is not None and end.finished,
+            **shown,
+        )
 
 
 class Control(Protocol[Memory]):

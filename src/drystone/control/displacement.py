@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
-from drystone.control.base import Decision, check_settings
+from drystone.control.base import Decision, Strategy, check_settings
 from drystone.control.ends import (
     End,
     EndSettings,
@@ -135,19 +135,17 @@ class DisplacementState:
     stage: int = FOLLOWING
 
 
-class DisplacementControl:
+class DisplacementControl(Strategy[DisplacementState]):
     """See the module's text."""
 
-    def __init__(self, settings: DisplacementSettings) -> None:
-        self.settings = settings
+    settings: DisplacementSettings
 
     def first(self, report: StepReport) -> Decision[DisplacementState]:
         """A small first increment, in stiff joints no larger than what they close by."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
         first = min(s.first_share * s.displacement_step, closing)
-        state = self._begun(first, closing)
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return self._decided(self._begun(first, closing))
 
     def _begun(self, increment: float, closing: float) -> DisplacementState:
         """What is remembered at first."""
@@ -202,7 +200,7 @@ class DisplacementControl:
             finer = self._finer(changed(state, increment=advanced), report)
         if finer is not None:
             state = changed(state, increment=finer, n_shorter=state.n_shorter + 1)
-            return Decision(accept=False, demand=self._demand(state), state=state)
+            return self._decided(state, accept=False)
         if multiplier > state.highest and not report.dynamic:
             state = changed(state, highest=multiplier, highest_at=report.control_displacement)
         back = multiplier < 0.0 and report.control_displacement < state.highest_at
@@ -222,15 +220,12 @@ class DisplacementControl:
             state = (
                 self._jumping(state, report) if state.time_step else self._adapted(state, report)
             )
-        return Decision(
-            accept=True,
-            demand=None if over else self._demand(state),
-            state=state,
+        return self._decided(
+            state,
+            over,
             load_multiplier=multiplier,
             dynamic=report.dynamic,
             jumped=jumped,
-            reason=over.reason if over else "",
-            finished=over is not None and over.finished,
             dynamic_multipliers=_dynamic_multipliers(report),
         )
 
@@ -239,19 +234,14 @@ class DisplacementControl:
     ) -> Decision[DisplacementState]:
         """The load begins again where the structure has come to rest without any."""
         if not report.converged:
-            return Decision(accept=False, demand=None, state=state, reason=report.reason)
+            return self._decided(state, End(reason=report.reason), accept=False)
         s = self.settings
         first = s.first_share * s.displacement_step
         n_steps = state.n_steps + 1
         state = changed(
             state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
         )
-        return Decision(
-            accept=True,
-            demand=self._demand(state),
-            state=state,
-            dynamic_multipliers=_dynamic_multipliers(report),
-        )
+        return self._decided(state, dynamic_multipliers=_dynamic_multipliers(report))
 
     def _under_load(
         self, state: DisplacementState, report: StepReport
@@ -270,7 +260,7 @@ class DisplacementControl:
                 state = self._in_motion(changed(state, load_increment=0.0))
             else:
                 state = changed(state, load_increment=less)
-            return Decision(accept=False, demand=self._demand(state), state=state)
+            return self._decided(state, accept=False)
         multiplier, there = report.static_multiplier, report.control_displacement
         beyond = there > state.loaded_from
         more = min(2.0 * state.load_increment, tolerances.LOAD_SHARE * self._scale(state))
@@ -285,15 +275,7 @@ class DisplacementControl:
             next_load=more,
             stage=FOLLOWING,
         )
-        over = self._over(state, report)
-        return Decision(
-            accept=True,
-            demand=None if over else self._demand(state),
-            state=state,
-            load_multiplier=multiplier,
-            reason=over.reason if over else "",
-            finished=over is not None and over.finished,
-        )
+        return self._decided(state, self._over(state, report), load_multiplier=multiplier)
 
     def _scale(self, state: DisplacementState) -> float:
         """The multiplier that shares of the peak are of."""
@@ -502,7 +484,7 @@ class DisplacementControl:
                 state = changed(state, stage=NEARING, increment=nearer)
             else:
                 state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
-        return Decision(accept=False, demand=self._demand(state), state=state)
+        return self._decided(state, accept=False)
 
     def _load_grows_on(self, state: DisplacementState) -> bool:
         """Whether a larger load is tried where no displacement ahead has an equilibrium."""
@@ -537,14 +519,8 @@ class DisplacementControl:
         if report.path.dynamic_states and report.dynamic:
             how = f"no rest was found for what moves: {report.reason}"
             end = collapsed(how, self._carried(state), self.settings.stop_multiplier)
-        return Decision(
-            accept=False,
-            demand=None,
-            state=state,
-            reason=end.reason,
-            finished=end.finished,
-            dynamic_multipliers=_dynamic_multipliers(report),
-        )
+        shown = _dynamic_multipliers(report)
+        return self._decided(state, end, accept=False, dynamic_multipliers=shown)
 
     def _adapted(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings

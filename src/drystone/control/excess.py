@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from drystone.common import tolerances
 from drystone.common.records import changed
-from drystone.control.base import Decision, check_settings
+from drystone.control.base import Decision, Strategy, check_settings
 from drystone.control.ends import End, EndSettings, Progress, collapsed, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 
@@ -57,17 +57,15 @@ class ExcessState:
     n_steps: int = 0
 
 
-class ExcessControl:
+class ExcessControl(Strategy[ExcessState]):
     """See the module's text."""
 
-    def __init__(self, settings: ExcessSettings) -> None:
-        self.settings = settings
+    settings: ExcessSettings
 
     def first(self, report: StepReport) -> Decision[ExcessState]:
         """A tenth of the largest excess."""
         s = self.settings
-        state = self._fresh(tolerances.FIRST_EXCESS * s.increment, s.time_step)
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return self._decided(self._fresh(tolerances.FIRST_EXCESS * s.increment, s.time_step))
 
     def _fresh(self, excess: float, time_step: float) -> ExcessState:
         return ExcessState(excess=excess, time_step=time_step)
@@ -89,12 +87,11 @@ class ExcessControl:
             )
             if state.time_step < tolerances.LEAST_EXCESS_TIME_STEP * s.time_step:
                 reason = report.reason or "the blocks run away however little is applied"
-                return Decision(accept=False, demand=None, state=state, reason=reason)
-            return Decision(accept=False, demand=self._demand(state), state=state)
+                return self._decided(state, End(reason=reason), accept=False)
+            return self._decided(state, accept=False)
         less = self._less(state, report)
         if less is not None:
-            state = changed(state, excess=less)
-            return Decision(accept=False, demand=self._demand(state), state=state)
+            return self._decided(changed(state, excess=less), accept=False)
         # In a steady step the applied multiplier exceeds the static one by little more than the
         # excess.  Where it exceeds it by far more, a block has come loose, and its fall says
         # nothing of the other blocks.  The carried multiplier, between static and applied, is then
@@ -263,9 +260,7 @@ class ExcessControl:
         s = self.settings
         end = self._over(state, report, dynamic)
         if end:
-            return Decision(
-                accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
-            )
+            return self._decided(state, end)
         step = self._step(state, report)
         share = step / max(report.motion, tolerances.LEAST_MOTION * s.displacement_step)
         if report.control_displacement < state.displacement:
@@ -276,4 +271,4 @@ class ExcessControl:
         state = changed(
             state, excess=excess, time_step=time_step, displacement=report.control_displacement
         )
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return self._decided(state)

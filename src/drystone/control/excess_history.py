@@ -11,14 +11,16 @@ repeated with less excess, by the rule of false position, until it ends there.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision
 from drystone.control.ends import End
 from drystone.control.excess import ExcessControl, ExcessSettings, ExcessState
-from drystone.control.history import Leg, along, ended, over_in_leg, seen, told
+from drystone.control.history import InLegs, Leg, over_in_leg, seen
 from drystone.engines.base import Demand, StepReport
 
 
@@ -41,10 +43,14 @@ class ExcessHistoryState(ExcessState):
     beyond: tuple[float, float] = (math.inf, 0.0)
 
 
-class ExcessHistoryControl(ExcessControl):
+class ExcessHistoryControl(InLegs, ExcessControl):
     """See the module's text."""
 
     settings: ExcessHistorySettings
+    at_target = tolerances.AT_TARGET_OF_EXCESS
+    _anew: ClassVar[Mapping[str, Any]] = {
+        "tries": 0, "short": ExcessHistoryState.short, "beyond": ExcessHistoryState.beyond
+    }  # fmt: skip
 
     def _fresh(self, excess: float, time_step: float) -> ExcessState:
         return ExcessHistoryState(excess=excess, time_step=time_step)
@@ -59,28 +65,12 @@ class ExcessHistoryControl(ExcessControl):
     ) -> Decision[ExcessState]:
         """As in a monotonic curve, in the sense of the leg; then the next leg."""
         assert isinstance(state, ExcessHistoryState)
-        leg, targets = state.leg, self.settings.targets
         if report.converged:
             again = self._again(state, report)
             if again is not None:
-                return Decision(accept=False, demand=self._demand(again), state=again)
-        sense = leg.sense(targets)
-        decision = told(super().decide(state, demand, seen(report, sense)), sense)
-        if not decision.accept or decision.demand is None:
-            return ended(decision, leg, targets)
-        leg = leg.at(report, decision.load_multiplier)
-        updated = changed(
-            decision.state,
-            leg=leg,
-            tries=0,
-            short=ExcessHistoryState.short,
-            beyond=ExcessHistoryState.beyond,
-        )
-        return along(decision, updated, leg, targets, self._near, self._reverse, self._demand)
-
-    @property
-    def _near(self) -> float:
-        return tolerances.AT_TARGET_OF_EXCESS * self.settings.displacement_step
+                return self._decided(again, accept=False)
+        sense = state.leg.sense(self.settings.targets)
+        return self._in_leg(state.leg, report, super().decide(state, demand, seen(report, sense)))
 
     def _again(self, state: ExcessHistoryState, report: StepReport) -> ExcessHistoryState | None:
         """The state with another excess, where a step has not ended at the leg's displacement but
@@ -131,13 +121,10 @@ class ExcessHistoryControl(ExcessControl):
             return super()._largest(state)
         return self.settings.increment * max(1.0, -state.static)
 
-    def _reverse(self, state: ExcessHistoryState, multiplier: float) -> ExcessHistoryState:
-        """The state with which the next leg begins, at rest where it goes back."""
-        s, leg = self.settings, state.leg.next()
-        sense = leg.sense(s.targets)
-        if sense == state.leg.sense(s.targets):
-            return changed(state, leg=leg)
-        last = sense * multiplier
+    def _turned(
+        self, state: ExcessHistoryState, leg: Leg, sense: float, last: float
+    ) -> ExcessHistoryState:
+        s = self.settings
         return ExcessHistoryState(
             excess=tolerances.FIRST_EXCESS * s.increment,
             time_step=s.time_step,

@@ -15,9 +15,9 @@ nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from drystone.common import tolerances
 from drystone.common.language import say
@@ -116,49 +116,47 @@ def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
     return None
 
 
-def ended(decision: Decision[Memory], leg: Leg, targets: tuple[float, ...]) -> Decision[Memory]:
-    """A decision that ends the analysis, with the leg in its reason."""
-    if decision.demand is not None:
-        return decision
-    return changed(decision, reason=say("end.in_leg", how=decision.reason, leg=leg.named(targets)))
+class InLegs:
+    """Mixed into a strategy, which works in the sense of a leg: that of the structure is told, and
+    where a leg ends the next one begins.
 
-
-def completed(
-    decision: Decision[Memory], state: Memory, targets: tuple[float, ...]
-) -> Decision[Memory]:
-    """The decision at the last displacement of all."""
-    reason = say("end.history", n=len(targets))
-    return changed(decision, state=state, demand=None, reason=reason, finished=True)
-
-
-# Many: what a leg is, and what its control does with it.
-def along(
-    decision: Decision[Memory],
-    state: Memory,
-    leg: Leg,
-    targets: tuple[float, ...],
-    near: float,
-    reverse: Callable[[Any, float], Memory],
-    demand: Callable[[Memory], Demand],
-) -> Decision[Memory]:
-    """A decision to continue the leg, to begin the next one, or to end the analysis.
-
-    Parameters
-    ----------
-    state, leg
-        At the last point.
-    near
-        How far from its displacement a leg may end [m].
-    reverse
-        Gives the state with which the next leg begins, from this one and the multiplier.
-    demand
-        Gives the demand of a state.
+    ``_anew`` is what the state of a leg forgets at a point, ``_near`` how far from its displacement
+    a leg may end [m]; ``_turned`` is the state with which a leg begins, at rest where it goes back,
+    under the multiplier ``last`` in its sense.
     """
-    if leg.left(targets) <= near:
-        if leg.number + 1 == len(targets):
-            return completed(decision, state, targets)
-        state = reverse(state, decision.load_multiplier)
-    return changed(decision, state=state, demand=demand(state))
+
+    settings: Any
+    _demand: Callable[[Any], Demand]
+    _turned: Callable[[Any, Leg, float, float], Any]
+    _anew: ClassVar[Mapping[str, Any]] = {}
+    at_target = tolerances.AT_TARGET
+
+    @property
+    def _near(self) -> float:
+        return float(self.at_target * self.settings.displacement_step)
+
+    def _in_leg(self, leg: Leg, report: StepReport, decision: Decision[Any]) -> Decision[Any]:
+        """To continue the leg, to begin the next one, or to end the analysis."""
+        targets = self.settings.targets
+        sense = leg.sense(targets)
+        decision = told(decision, sense)
+        if decision.demand is None:
+            how = say("end.in_leg", how=decision.reason, leg=leg.named(targets))
+            return changed(decision, reason=how)
+        if not decision.accept:
+            return decision
+        leg = leg.at(report, decision.load_multiplier)
+        state = changed(decision.state, leg=leg, **self._anew)
+        if leg.left(targets) <= self._near:
+            if leg.number + 1 == len(targets):
+                how = say("end.history", n=len(targets))
+                return changed(decision, state=state, demand=None, reason=how, finished=True)
+            leg = leg.next()
+            back = leg.sense(targets)
+            state = changed(state, leg=leg)
+            if back != sense:
+                state = self._turned(state, leg, back, back * decision.load_multiplier)
+        return changed(decision, state=state, demand=self._demand(state))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,7 +166,7 @@ class HistoryState(DisplacementState):
     leg: Leg = field(default_factory=Leg)
 
 
-class HistoryControl(DisplacementControl):
+class HistoryControl(InLegs, DisplacementControl):
     """See the module's text."""
 
     settings: HistorySettings
@@ -190,25 +188,13 @@ class HistoryControl(DisplacementControl):
     ) -> Decision[DisplacementState]:
         """As in a monotonic curve, in the sense of the leg; then the next leg."""
         assert isinstance(state, HistoryState)
-        leg, targets = state.leg, self.settings.targets
-        sense = leg.sense(targets)
+        sense = state.leg.sense(self.settings.targets)
         if not state.time_step and demand.increment is not None:
             state = changed(state, increment=abs(demand.increment))
-        decision = told(super().decide(state, demand, seen(report, sense)), sense)
-        if not decision.accept or decision.demand is None:
-            return ended(decision, leg, targets)
-        leg = leg.at(report, decision.load_multiplier)
-        near = tolerances.AT_TARGET * self.settings.displacement_step
-        updated = changed(decision.state, leg=leg)
-        return along(decision, updated, leg, targets, near, self._reverse, self._demand)
+        return self._in_leg(state.leg, report, super().decide(state, demand, seen(report, sense)))
 
-    def _reverse(self, state: HistoryState, multiplier: float) -> HistoryState:
-        """The state with which the next leg begins, at rest where it goes back."""
-        s, leg = self.settings, state.leg.next()
-        sense = leg.sense(s.targets)
-        if sense == state.leg.sense(s.targets):
-            return changed(state, leg=leg)
-        last = sense * multiplier
+    def _turned(self, state: HistoryState, leg: Leg, sense: float, last: float) -> HistoryState:
+        s = self.settings
         return HistoryState(
             increment=min(s.first_share * s.displacement_step, s.first_share * state.closing),
             highest=max(last, 0.0),

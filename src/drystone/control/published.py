@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 from drystone.common import tolerances
 from drystone.common.records import changed
-from drystone.control.base import Decision, check_settings
+from drystone.control.base import Decision, Strategy, check_settings
 from drystone.control.ends import End, EndSettings, Progress, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 
@@ -65,17 +65,15 @@ class _State:
     n_steps: int = 0
 
 
-class PublishedControl:
+class PublishedControl(Strategy[_State]):
     """See the module's text."""
 
-    def __init__(self, settings: PublishedSettings) -> None:
-        self.settings = settings
+    settings: PublishedSettings
 
     def first(self, report: StepReport) -> Decision[_State]:
         """The first increment."""
         s = self.settings
-        state = _State(multiplier=s.increment, time_step=s.time_step)
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return self._decided(_State(multiplier=s.increment, time_step=s.time_step))
 
     def _demand(self, state: _State) -> Demand:
         return Demand(multiplier=state.multiplier, time_step=state.time_step)
@@ -102,8 +100,8 @@ class PublishedControl:
         if not report.converged or too_far:
             state = changed(state, time_step=0.5 * state.time_step)
             if state.time_step < tolerances.LEAST_PUBLISHED_TIME_STEP * s.time_step:
-                return Decision(accept=False, demand=None, state=state, reason=report.reason)
-            return Decision(accept=False, demand=self._demand(state), state=state)
+                return self._decided(state, End(reason=report.reason), accept=False)
+            return self._decided(state, accept=False)
         state = changed(state, n_steps=state.n_steps + 1)
         if not state.descending:
             state = self._ascend(state, report)
@@ -111,12 +109,9 @@ class PublishedControl:
         end = self._end(state, report)
         state = changed(state, displacement=report.control_displacement)
         if end:
-            return Decision(
-                accept=True, demand=None, state=state, reason=end.reason, finished=end.finished
-            )
+            return self._decided(state, end)
         if not state.descending:
-            state = changed(state, time_step=s.time_step)
-            return Decision(accept=True, demand=self._demand(state), state=state)
+            return self._decided(changed(state, time_step=s.time_step))
         least = 0.5 * tolerances.NEXT_TO_NOTHING * min(s.stop_multiplier, state.highest)
         multiplier = max(s.overshoot * report.carried_multiplier, least)
         share = s.displacement_step / max(
@@ -124,7 +119,7 @@ class PublishedControl:
         )
         scale = min(max(share**0.5, tolerances.LEAST_CHANGE), tolerances.MOST_CHANGE)
         state = changed(state, multiplier=multiplier, time_step=state.time_step * scale)
-        return Decision(accept=True, demand=self._demand(state), state=state)
+        return self._decided(state)
 
     def _ascend(self, state: _State, report: StepReport) -> _State:
         """On by an increment where what is applied is carried; past the peak where it is not."""

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
-from drystone.control.base import Decision
+from drystone.control.base import Decision, Strategy
+from drystone.control.progress import End
 from drystone.engines.base import Demand, StepReport
 
 
@@ -51,11 +52,10 @@ class _State:
     motion_ratio: float = 0.0
 
 
-class SupportControl:
+class SupportControl(Strategy[_State]):
     """See the module's text."""
 
-    def __init__(self, settings: SupportSettings) -> None:
-        self.settings = settings
+    settings: SupportSettings
 
     def first(self, report: StepReport) -> Decision[_State]:
         """The structure at rest on supports that have not moved."""
@@ -65,12 +65,7 @@ class SupportControl:
             reaction=report.reaction,
             greatest=abs(report.reaction),
         )
-        return Decision(
-            accept=True,
-            demand=self._demand(state),
-            state=state,
-            load_multiplier=report.reaction / s.unit,
-        )
+        return self._decided(state, load_multiplier=report.reaction / s.unit)
 
     def _demand(self, state: _State) -> Demand:
         s = self.settings
@@ -93,7 +88,8 @@ class SupportControl:
             off = abs(slope - state.slope) * advanced
             first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
             if off > s.bend_share * greatest and step > first:
-                return self._refined(state, step)
+                state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
+                return self._decided(state, accept=False)
         state = changed(
             state,
             moved=state.moved + advanced,
@@ -105,21 +101,18 @@ class SupportControl:
             jumps=state.jumps + 1 if jumps else 0,
             motion_ratio=state.motion_ratio if jumps or not advanced else report.motion / advanced,
         )
-        over = state.moved >= s.largest * tolerances.ALL_MOVED
-        many = state.n_steps >= s.max_steps
-        reason = say("end.supports_moved") if over else ""
-        if many and not over:
-            reason = say("end.supports_steps", n=s.max_steps)
-        return Decision(
-            accept=True,
-            demand=None if reason else self._demand(state),
-            state=state,
+        end = None
+        if state.moved >= s.largest * tolerances.ALL_MOVED:
+            end = End(reason=say("end.supports_moved"), finished=True)
+        elif state.n_steps >= s.max_steps:
+            end = End(reason=say("end.supports_steps", n=s.max_steps))
+        return self._decided(
+            state,
+            end,
             load_multiplier=report.reaction / s.unit,
             dynamic_multipliers=self._dynamic_multipliers(report),
             dynamic=report.dynamic or report.inertia_ratio > s.inertia,
             jumped=jumps,
-            reason=reason,
-            finished=over,
         )
 
     def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
@@ -133,20 +126,11 @@ class SupportControl:
         grows = s.time_step > 0.0 or report.n_iterations <= s.grow_iterations
         return min(2.0 * step if grows else step, s.step)
 
-    def _refined(self, state: _State, step: float) -> Decision[_State]:
-        state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
-        return Decision(accept=False, demand=self._demand(state), state=state)
-
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
         s, why = self.settings, report.reason or "blocks move on by themselves"
         if step <= s.floor_share * s.step:
-            return Decision(
-                accept=False,
-                demand=None,
-                state=state,
-                reason=say("end.supports_fall", why=why),
-                finished=True,
-                dynamic_multipliers=self._dynamic_multipliers(report),
-            )
+            end = End(reason=say("end.supports_fall", why=why), finished=True)
+            shown = self._dynamic_multipliers(report)
+            return self._decided(state, end, accept=False, dynamic_multipliers=shown)
         state = changed(state, step=max(tolerances.SUPPORT_SHORTER * step, s.floor_share * s.step))
-        return Decision(accept=False, demand=self._demand(state), state=state)
+        return self._decided(state, accept=False)

@@ -49,7 +49,7 @@ from drystone.law.residual import add_contact_forces
 from drystone.law.status import status_of
 from drystone.model.ties import TieState
 from drystone.statics.linear.block_system import BlockSystem
-from drystone.statics.tie_forces import TieForces, TieImpulses
+from drystone.statics.tie_forces import JoinedTies, TieForces, TieImpulses
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -104,7 +104,7 @@ class System:
         assembly, bars = prepared.assembly, prepared.bars
         loads = LoadArrays.of(prepared.problem, state.departed, state.stage)
         ties = TieForces(bars, assembly, state.departed) if bars.n_ties else None
-        joined = ties.joined(pairs.a, pairs.b) if ties else pairs
+        joined = JoinedTies.of(ties.body, pairs.a, pairs.b) if ties else pairs
         place = places(assembly.centroid, pairs.pose)
         return cls(
             prepared=prepared,

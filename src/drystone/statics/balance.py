@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.compiled import njit
-
-Array = NDArray[np.float64]
 
 
 class BodyForces(NamedTuple):
@@ -20,7 +18,7 @@ class BodyForces(NamedTuple):
     pattern: Array  # N, N m, of the load at multiplier one
     mass: Array  # kg, kg m2
     extent: Array  # (n,) m, by which moments are divided
-    fixed: NDArray[np.bool_]  # (n,)
+    fixed: BoolArray  # (n,)
     left: Array  # N, N m, the unbalanced ones
 
 

@@ -1,4 +1,4 @@
-"""The equations of a static step: for the blocks that are there, and the pairs that may touch.
+"""The equations of a static step: what they are written with, and what they are solved to.
 
 They are made anew when blocks have left, when a stage of the dead loads begins, and when other
 pairs are near.  Between, all steps use them.
@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drystone.common.tolerances import LIES, PRESSED, TOLD_APART
+from drystone.common import tolerances
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
@@ -19,15 +19,49 @@ from drystone.geometry import motion
 from drystone.law.bonds import built_open
 from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
-from drystone.statics.constants import Accuracy, Constants, Loads
-from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.space.space_step import SpaceStep
-from drystone.statics.static_step import StaticStep
 from drystone.statics.tie_forces import TieForces
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+#: Why no equilibrium can be told from others near it.
+TOO_STIFF = (
+    "the joints are too stiff for the blocks' weight: the rounding of a displacement, times their "
+    "stiffness, exceeds the unbalanced force that may be left; lower the joint's stiffness"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointDisplacement:
+    """The displacement c(x) of a point of one body, which a step prescribes."""
+
+    body: int  # that a spring restrains where the matrix may be singular
+    arm: Array  # (dim,) m from the centroid to the point, where the step starts
+    axis: Array  # (dim,) direction the displacement is read in
+    axes: Array  # (dim, dim) the body's principal axes there, in columns; of space only
+    increment: float  # m, by which it is to increase
+
+    def missing(self, x: Array) -> float:
+        """What is missing of the increment [m]."""
+        return self.increment - motion.advance(self.arm, x[self.body], self.axis, self.axes)
+
+    def gradient(self, x: Array) -> Array:
+        """The gradient of c, (n, n_dof)."""
+        gradient = np.zeros(x.shape)
+        at = self.arm, x[self.body], self.axis, self.axes
+        gradient[self.body] = motion.gradient_of_advance(*at)
+        return gradient
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accuracy:
+    """What a step is solved to, on the scales of a model."""
+
+    tolerance: float  # N, largest unbalanced force
+    rounding: float  # N/m, of a reaction, by metre of its blocks' motion: normal to the joint
+    sliding_rounding: float  # N/m, and along it, where only the motion within the step counts
+    coarsest: float  # N, largest unbalanced force that may be left to rounding
+    lag: float = tolerances.MISSING  # m, what may be missing of the increment
+    depth: float  # m, penetration too small to tell two contacts apart
+    pressed: float  # N, force above which a contact that was not followed is added; in space
+    farthest: float = np.inf  # m, motion of a block over which the step has failed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,76 +71,26 @@ class Loaded:
     prepared: Prepared
     stage: int
     departed: BoolArray  # (n,)
-    loads: LoadArrays
+    loads: LoadArrays  # as designed
     ties: TieForces | None
-    constants: Constants
+    accuracy: Accuracy
 
     @classmethod
-    def of(cls, prepared: Prepared, stage: int, departed: BoolArray) -> Loaded:
+    def of(cls, prepared: Prepared, stage: int, departed: BoolArray, tolerance: float) -> Loaded:
         """Those of a stage, without the blocks that are ``departed`` (n,)."""
-        assembly, bars = prepared.assembly, prepared.bars
-        loads = LoadArrays.of(prepared.problem, departed, stage)
-        ties = TieForces(bars, assembly, departed) if bars.n_ties else None
-        constants = Constants(
-            detector=prepared.detector,
-            laws=prepared.laws,
-            thickness=assembly.thickness,
-            loads=Loads(
-                dead=loads.dead,
-                pattern=loads.pattern,
-                mass=loads.mass,
-                extent=prepared.extent,
-                fixed=loads.fixed,
-                acting=None if loads.acting.steady else loads.acting,
-                ties=ties,
-            ),
-        )
+        bars = prepared.bars
         return cls(
             prepared=prepared,
             stage=stage,
             departed=departed,
-            loads=loads,
-            ties=ties,
-            constants=constants,
+            loads=LoadArrays.of(prepared.problem, departed, stage),
+            ties=TieForces(bars, prepared.assembly, departed) if bars.n_ties else None,
+            accuracy=accuracy_of(prepared, tolerance),
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Equations:
-    """The equations of some pairs; `step` is worked in."""
-
-    loaded: Loaded
-    pairs: Pairs
-    accuracy: Accuracy
-    step: StaticStep
-
-    @classmethod
-    def of(cls, loaded: Loaded, pairs: Pairs, accuracy: Accuracy) -> Equations:
-        """Those of some pairs, to be solved as accurately as said."""
-        kind = SpaceStep if loaded.prepared.assembly.dimension == 3 else PlaneStep
-        return cls(
-            loaded=loaded, pairs=pairs, accuracy=accuracy, step=kind(loaded.constants, pairs)
-        )
-
-    @property
-    def loads(self) -> LoadArrays:
-        """Loads and masses, as designed."""
-        return self.loaded.loads
-
-    @property
-    def ties(self) -> TieForces | None:
-        """Ties, if there are any."""
-        return self.loaded.ties
-
-    @property
-    def constants(self) -> Constants:
-        """What the step was made of."""
-        return self.loaded.constants
-
-
-def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accuracy:
-    """What steps are solved to, from shares of the heaviest weight; how far a block may move is
-    for each to say."""
+def accuracy_of(prepared: Prepared, tolerance: float) -> Accuracy:
+    """What steps are solved to; how far a block may move is for each to say."""
     assembly, laws = prepared.assembly, prepared.laws
     scale = assembly.heaviest_weight
     # Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law.
@@ -121,10 +105,9 @@ def accuracy_of(prepared: Prepared, tolerance: float, coarsest: float) -> Accura
         tolerance=tolerance * scale,
         rounding=rounding * stiffest,
         sliding_rounding=rounding * stiffest_in_shear,
-        coarsest=coarsest * scale,
-        depth=max(TOLD_APART * (tolerance * scale) / stiffest, of_gaps),
-        pressed=PRESSED * scale,
-        farthest=np.inf,
+        coarsest=tolerances.COARSEST * scale,
+        depth=max(tolerances.TOLD_APART * (tolerance * scale) / stiffest, of_gaps),
+        pressed=tolerances.PRESSED * scale,
     )
 
 
@@ -145,7 +128,7 @@ def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
     touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
     # Weight presses on joints that lie.  Those that stand are shut, and carry by a bond only.
-    touches = (np.abs(slots.normal @ prepared.assembly.up) > LIES) | bonded
+    touches = (np.abs(slots.normal @ prepared.assembly.up) > tolerances.LIES) | bonded
     return np.where(touches & ~_apart(prepared, slots), touching, OPEN)
 
 

@@ -14,27 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common import tolerances
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.records import changed
-from drystone.common.tolerances import (
-    BALANCE,
-    COARSEST,
-    DEAD_LOAD_STEP,
-    ENDS_FOR_BOND,
-    LEAST_DEAD_LOAD_STEP,
-    LEAST_STEP,
-    LONGER_DEAD_LOAD_STEP,
-    MOST_MOTION,
-    MOST_STEP,
-    STATIC_INERTIA,
-    STATIC_TIME_STEP,
-    STEP_OF_HEIGHT,
-    STRENGTHS_FIXED,
-)
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.histories import Histories, handed_on, predecessor_pairs
@@ -67,22 +52,18 @@ from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
 from drystone.statics import solution, yielding
-from drystone.statics.constants import TOO_STIFF, Accuracy, PointDisplacement
 from drystone.statics.equations import (
-    Equations,
+    TOO_STIFF,
     Loaded,
-    accuracy_of,
+    PointDisplacement,
     first_branches,
     first_history,
     sinking,
 )
 from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.softening_newton import SofteningNewton
-from drystone.statics.solution import Before, SolutionSettings, StepSolution
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from drystone.statics.solution import SolutionSettings
+from drystone.statics.space.space_step import SpaceStep
+from drystone.statics.static_step import StaticStep, StepSolution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,15 +76,15 @@ class EquilibriumSettings:
 
     #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
     #: the rounding of the sums that make it up.
-    tolerance: float = BALANCE
+    tolerance: float = tolerances.BALANCE
     #: Time step of a static step [s]: the inertia of a step of 1 mm is then 1e-7 of a weight.
-    static_time_step: float = STATIC_TIME_STEP
+    static_time_step: float = tolerances.STATIC_TIME_STEP
     #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
     #: the step has not looked for could be made.
-    max_motion: float = MOST_MOTION
+    max_motion: float = tolerances.MOST_MOTION
     #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
     #: block over its weight.
-    inertia_limit: float = STATIC_INERTIA
+    inertia_limit: float = tolerances.STATIC_INERTIA
     solution: SolutionSettings = field(default_factory=SolutionSettings)
 
 
@@ -138,20 +119,6 @@ class EquilibriumState:
     acted: ActedContacts | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Step:
-    """The start, the target and the prescribed displacement of one static step."""
-
-    state: EquilibriumState
-    equations: Equations
-    demand: Demand
-    prescribed: PointDisplacement | None
-    guess: Array  # (n, n_dof) m, rad
-    multiplier: float
-    h: float  # s
-    accuracy: Accuracy
-
-
 class EquilibriumEngine(Engine[EquilibriumState]):
     """See the module's text."""
 
@@ -166,26 +133,28 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         in_own_frame=True,
         keeps_states=True,
         resumes=True,
-        residual_limit=COARSEST,
+        residual_limit=tolerances.COARSEST,
     )
 
     def __init__(self, settings: EquilibriumSettings | None = None) -> None:
         self.settings = settings or EquilibriumSettings()
         #: Equations of the last step, which the next one is written in where they fit its state.
-        self.last: Equations | None = None
+        self.last: StaticStep | None = None
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """A step is to turn a mechanism by about 1 in 500, whatever its height."""
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
-        step = min(max(height * STEP_OF_HEIGHT, LEAST_STEP * size), MOST_STEP * size)
+        step = min(
+            max(height * tolerances.STEP_OF_HEIGHT, tolerances.LEAST_STEP * size),
+            tolerances.MOST_STEP * size,
+        )
         smooth = assembly.dimension == 3 or self.settings.solution.path is None
         return PreferredSteps(
             displacement_step=step, grow_iterations=60, shrink_iterations=400, smooth=smooth
         )
 
     def derived(self, problem: Problem) -> tuple[Prepared]:
-        """See `Engine.derived`."""
         return (Prepared.of(problem, self),)
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
@@ -220,7 +189,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _apply_dead_load(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
         """Equilibrium under the dead load by pseudo-transient steps: a short one, then longer ones,
         or shorter ones where they fail."""
-        h, limit = DEAD_LOAD_STEP, self.settings.static_time_step
+        h, limit = tolerances.DEAD_LOAD_STEP, self.settings.static_time_step
         farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
             state.prepared, self.equations_of(state).loads
         )
@@ -231,7 +200,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             new, outcome = self._bond_steps(state.prepared, demand, farthest).remainder(state, 1.0)
             if not outcome.converged:
                 h *= 0.25
-                if h < LEAST_DEAD_LOAD_STEP:
+                if h < tolerances.LEAST_DEAD_LOAD_STEP:
                     break
                 continue
             state = new
@@ -240,7 +209,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 return replace(new, last_increment=state.prepared.assembly.no_motion()), outcome
             if travelled > farthest:
                 break
-            h = min(LONGER_DEAD_LOAD_STEP * h, limit)
+            h = min(tolerances.LONGER_DEAD_LOAD_STEP * h, limit)
         moved_by = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
         raise UnstableError(unstable_sentence(state.prepared.problem, moved_by))
 
@@ -332,7 +301,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             broken=self._broken,
             laws=prepared.laws,
             slight=SLIGHT * prepared.assembly.heaviest_weight,
-            near=ENDS_FOR_BOND,
+            near=tolerances.ENDS_FOR_BOND,
             bars=prepared.bars if prepared.bars.n_ties else None,
         )
 
@@ -376,20 +345,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[EquilibriumState, StepReport]:
         """The same with the pairs of the state where it begins."""
         own = self.equations_of(state)
+        own.accuracy = changed(own.loaded.accuracy, farthest=farthest)
         prescribed = self._prescribed(state, demand)
         h = demand.time_step or self.settings.static_time_step
         guess, multiplier = self._predict(state, demand, prescribed)
-        step = _Step(
-            state=state,
-            demand=demand,
-            prescribed=prescribed,
-            equations=own,
-            guess=self._move_supports(own, state, demand, guess),
-            multiplier=multiplier,
-            h=h,
-            accuracy=changed(own.accuracy, farthest=farthest),
-        )
-        solved = self._solve(step)
+        guess = self._move_supports(own, state, demand, guess)
+        solved = self._solve(own, state, demand, prescribed, guess, multiplier, h)
         if solved.reason == TOO_STIFF:
             raise EngineError(solved.reason)  # no smaller step would do
         if solved.reason:
@@ -418,115 +379,65 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             )
         return new, outcome
 
-    def _solve(self, step: _Step) -> StepSolution:
-        equations, state = step.equations.step, step.state
+    def _solve(
+        self,
+        own: StaticStep,
+        state: EquilibriumState,
+        demand: Demand,
+        prescribed: PointDisplacement | None,
+        guess: Array,
+        start: float,
+        h: float,
+    ) -> StepSolution:
+        """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
+        guesses, increment = [guess], demand.increment
+        if state.tangent is not None and increment is not None:
+            guesses.append(increment * state.tangent)
         last: StepSolution | None = None
+
+        def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
+            if own.ties:
+                own.ties.begin(state.ties)
+            if isinstance(own, PlaneStep):
+                own.kept[:] = 0 if state.kept is None else state.kept
+            past = state.pose, state.slots, state.history
+            own.begin(*past, branch, h, prescribed, near, *joints)
 
         def once(
             current: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
         ) -> StepSolution:
             nonlocal last
-            if step.equations.ties:
-                step.equations.ties.begin(state.ties)
-            last = self._once(step, current, fresh, branch, near, last)
+            begin(branch, guess, current, fresh)
+            tried, multiplier = guesses, start
+            if last is not None:
+                tried = [last.increment if near is None else near]
+                multiplier = multiplier if prescribed is None else last.multiplier
+            last = solution.solve(
+                own, tried, multiplier, state.reaction, self.settings.solution,
+                unchanged=state.unchanged or last is not None,
+                slope=np.nan if state.softened else state.slope, was_unstable=state.unstable,
+                dynamic=demand.time_step > 0.0, full_search=demand.full_search,
+                beyond=demand.over_fold,
+            )  # fmt: skip
             return last
 
-        if not step.state.prepared.strengths.any:
+        def expect(current: Array, fresh: Array) -> None:
+            begin(state.branch, guesses[-1], current, fresh)
+            own.restart(guesses[-1], start)
+
+        if not state.prepared.strengths.any:
             return once(None, None, state.branch, None)
-        increment = step.demand.increment
-        start = yielding.Beginning(
-            state.history,
-            state.slots.gap,
-            state.branch,
-            state.multiplier,
-            state.slope * increment if increment and state.softened else np.nan,
-        )
-        heaviest = step.state.prepared.assembly.heaviest_weight
-        demand = step.demand
+        rise = state.slope * increment if increment and state.softened else np.nan
         return yielding.solve(
-            equations,
-            step.state.prepared.strengths,
-            start,
-            once,
-            partial(self._newton, step),
-            STRENGTHS_FIXED * heaviest,
-            increment,
-            may_snap=increment is None or demand.over_fold or demand.time_step > 0.0,
-        )
-
-    def _newton(
-        self, step: _Step, solved: StepSolution | None, current: Array, fresh: Array
-    ) -> SofteningNewton | None:
-        """Newton's method from a solution, or from where the step is expected to end; see
-        `yielding.solve`."""
-        equations, state, accuracy = step.equations.step, step.state, step.accuracy
-        strengths = state.prepared.strengths
-        if not strengths.smooth:
-            return None
-        if solved is None and step.equations.ties:
-            step.equations.ties.begin(state.ties)
-        if solved is None:
-            x, demand = step.guess, step.demand
-            if state.tangent is not None and demand.increment is not None:
-                x = demand.increment * state.tangent
-            self._begin(step, state.branch, x, current, fresh)
-            equations.restart(x, step.multiplier)
-        return SofteningNewton(equations, strengths, accuracy, self.settings.solution)
-
-    @staticmethod
-    def _begin(
-        step: _Step, branch: IntArray, guess: Array, current: Array | None, fresh: Array | None
-    ) -> None:
-        """Begin a step from the branches of its contacts (n_slots,)."""
-        equations, state = step.equations.step, step.state
-        if isinstance(equations, PlaneStep):
-            equations.kept[:] = 0 if state.kept is None else state.kept
-        equations.begin(
-            state.pose,
-            state.slots,
-            state.history,
-            branch,
-            step.h,
-            step.prescribed,
-            guess,
-            current,
-            fresh,
-        )
-
-    def _once(
-        self,
-        step: _Step,
-        current: Array | None,
-        fresh: Array | None,
-        branch: IntArray,
-        near: Array | None,
-        last: StepSolution | None,
-    ) -> StepSolution:
-        """Solve a step with the ``current`` parameters of joints, from its ``last`` solution, if
-        any."""
-        state, demand, prescribes = step.state, step.demand, step.prescribed is not None
-        self._begin(step, branch, step.guess, current, fresh)
-        guesses, multiplier = [step.guess], step.multiplier
-        if state.tangent is not None and demand.increment is not None:
-            guesses.append(demand.increment * state.tangent)
-        if last is not None:
-            guesses = [last.increment if near is None else near]
-            multiplier = multiplier if not prescribes else last.multiplier
-        return solution.solve(
-            step.equations.step,
-            guesses,
-            multiplier,
-            state.reaction,
-            step.accuracy,
-            self.settings.solution,
-            Before(
-                unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope,
-                unstable=state.unstable,
+            own,
+            yielding.Beginning(
+                state.history, state.slots.gap, state.branch, state.multiplier, rise
             ),
-            dynamic=demand.time_step > 0.0,
-            full_search=demand.full_search,
-            beyond=demand.over_fold,
+            once,
+            expect,
+            increment,
+            self.settings.solution.stability,
+            may_snap=increment is None or demand.over_fold or demand.time_step > 0.0,
         )
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
@@ -539,7 +450,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return changed(state, paired_at=state.pose)  # the equations of these go on to fit
         return self._paired(state, state.departed, pairs)
 
-    def equations_of(self, state: EquilibriumState) -> Equations:
+    def equations_of(self, state: EquilibriumState) -> StaticStep:
         """The equations that fit a state: those of the last step, or new ones."""
         last, prepared = self.last, state.prepared
         old = last.loaded if last is not None and last.loaded.prepared is prepared else None
@@ -547,9 +458,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if last is not None and same and last.pairs is state.pairs:
             return last
         if old is None or not same or old.departed is not state.departed:
-            old = Loaded.of(prepared, state.stage, state.departed)
-        accuracy = accuracy_of(prepared, self.settings.tolerance, COARSEST)
-        self.last = Equations.of(old, state.pairs, accuracy)
+            old = Loaded.of(prepared, state.stage, state.departed, self.settings.tolerance)
+        kind = SpaceStep if prepared.assembly.dimension == 3 else PlaneStep
+        self.last = kind(old, state.pairs)
         return self.last
 
     def _paired(
@@ -629,11 +540,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return guess, state.multiplier
 
     def _move_supports(
-        self, own: Equations, state: EquilibriumState, demand: Demand, guess: Array
+        self, own: StaticStep, state: EquilibriumState, demand: Demand, guess: Array
     ) -> Array:
         """Give the equations the increments (n, n_dof) of supports that move; the guess with
         them."""
-        problem, given = state.prepared.problem, own.step.given
+        problem, given = state.prepared.problem, own.given
         if problem.settlement is None:
             return guess  # and given is nothing, from the start
         given[:] = 0.0
@@ -651,7 +562,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def _accept(
         self,
-        own: Equations,
+        own: StaticStep,
         state: EquilibriumState,
         solved: StepSolution,
         h: float,
@@ -659,28 +570,24 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> tuple[EquilibriumState, StepReport]:
         """The state that a step has led to, and its figures."""
         judged, then = self._ended(own, state)
-        flat = own.step if isinstance(own.step, PlaneStep) else None
-        slots = own.step.found.copied()
-        past = self._past(then)
-        narrow = state.prepared.detector.narrow
-        bears = state.prepared.strengths.bears
-        heirs = handed_on(narrow, past, state.pairs, slots, known=own.step.known, bears=bears)
+        slots, prepared = own.found.copied(), state.prepared
+        past, bears = self._past(then), prepared.strengths.bears
+        heirs = handed_on(
+            prepared.detector.narrow, past, state.pairs, slots, known=own.known, bears=bears
+        )
         margin = np.full(len(heirs.source), np.inf)
-        if state.prepared.gives_way:
+        if prepared.gives_way:
             margin[judged.contacts.slot] = margins(judged, 0.0)
             margin = heirs.of(margin, np.inf)
-        pose, ties = state.prepared.assembly.moved(state.pose, solved.increment), state.ties
+        pose, ties = prepared.assembly.moved(state.pose, solved.increment), state.ties
         if own.ties:
             own.ties.act(pose)
             ties = own.ties.ended()
             margin = np.concatenate((margin, ties.margin))
-        new = EquilibriumState(
-            prepared=state.prepared,
-            stage=state.stage,
+        new = changed(
+            state,
             pose=pose,
             multiplier=solved.multiplier,
-            pairs=state.pairs,
-            paired_at=state.paired_at,
             slots=slots,
             history=heirs.history,
             reaction=heirs.reaction,
@@ -688,28 +595,76 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             last_increment=solved.increment,
             margin=margin,
             due=np.zeros(0, np.int64),
-            departed=state.departed,
             ties=ties,
             support_motion=state.support_motion + (demand.settlement or 0.0),
             last_support_motion=demand.settlement or 0.0,
             slope=solved.slope,
             softened=solved.softened,
             tangent=solved.tangent,
-            kept=flat.kept.copy() if flat else None,
+            kept=own.kept.copy() if isinstance(own, PlaneStep) else None,
             unstable=solved.unstable,
             unchanged=bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )
-        outcome = self._report(own, new, judged, solved.n_iterations, h)
         lost = heirs.lost(past) if slots.dim == 3 else 0.0
-        lost /= state.prepared.assembly.heaviest_weight
-        return new, self._told(outcome, solved, demand, lost)
+        lost /= prepared.assembly.heaviest_weight
+        return new, self._report(own, new, judged, solved, h, demand, lost)
 
-    def _told(
-        self, outcome: StepReport, solved: StepSolution, demand: Demand, lost_shear: float
+    def _ended(
+        self, own: StaticStep, state: EquilibriumState
+    ) -> tuple[JudgedContacts, EquilibriumState]:
+        """The contacts that a step was solved with, where it has ended: as they are judged, and in
+        the state that it started from."""
+        history = own.finish()
+        ended = changed(
+            state,
+            slots=own.slots.copied(),
+            history=history,
+            reaction=own.by_slot(own.reaction)[:, : own.dim],
+            branch=own.by_slot(own.branch),
+        )
+        return own.judged(history), changed(ended, acted=self._acted(ended))
+
+    def _report(
+        self,
+        own: StaticStep,
+        new: EquilibriumState,
+        judged: JudgedContacts,
+        solved: StepSolution,
+        h: float,
+        demand: Demand,
+        lost_shear: float,
     ) -> StepReport:
-        """The report of a step with what its solution says of the path, and the shear of contacts
-        that were lost, over the heaviest weight."""
+        """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
+        x, contact_force = new.last_increment, own.contact_force
+        loads = own.loads.near(new.pose, new.multiplier)
+        acceleration = x / h**2
+        forces = Forces(
+            contact=contact_force,
+            load=loads.dead + new.multiplier * loads.pattern,
+            inertia=loads.mass * acceleration,
+        )
+        certificate = certify(judged, forces, new.prepared.extent, loads.fixed)
+        outcome = report(
+            new.prepared.problem,
+            loads,
+            StepOutcome(
+                multiplier=new.multiplier,
+                pose=new.pose,
+                increment=x,
+                acceleration=acceleration,
+                velocity=x / h,
+                contact_force=contact_force,
+                slots=not_crushed(new.slots, new.history)
+                if new.prepared.strengths.any
+                else new.slots,
+                status=STATUS_OF[new.branch],
+                certificate=own.ties.marked(certificate) if own.ties else certificate,
+                support_motion=new.support_motion,
+                motion=new.prepared.detector.farthest(x),
+                n_iterations=solved.n_iterations,
+            ),
+        )
         given = demand.increment is None
         return changed(
             outcome,
@@ -721,53 +676,3 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             unstable=solved.unstable,
             lost_shear=lost_shear,
         )
-
-    def _ended(
-        self, own: Equations, state: EquilibriumState
-    ) -> tuple[JudgedContacts, EquilibriumState]:
-        """The contacts that a step was solved with, where it has ended: as they are judged, and in
-        the state that it started from."""
-        equations = own.step
-        history = equations.finish()
-        ended = changed(
-            state,
-            slots=equations.slots.copied(),
-            history=history,
-            reaction=equations.by_slot(equations.reaction)[:, : equations.dim],
-            branch=equations.by_slot(equations.branch),
-        )
-        return equations.judged(history), changed(ended, acted=self._acted(ended))
-
-    def _report(
-        self,
-        own: Equations,
-        new: EquilibriumState,
-        judged: JudgedContacts,
-        n_iterations: int,
-        h: float,
-    ) -> StepReport:
-        """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
-        x, contact_force = new.last_increment, own.step.contact_force
-        loads = own.loads.near(new.pose, new.multiplier)
-        acceleration = x / h**2
-        forces = Forces(
-            contact=contact_force,
-            load=loads.dead + new.multiplier * loads.pattern,
-            inertia=loads.mass * acceleration,
-        )
-        certificate = certify(judged, forces, own.loaded.prepared.extent, loads.fixed)
-        outcome = StepOutcome(
-            multiplier=new.multiplier,
-            pose=new.pose,
-            increment=x,
-            acceleration=acceleration,
-            velocity=x / h,
-            contact_force=contact_force,
-            slots=not_crushed(new.slots, new.history) if new.prepared.strengths.any else new.slots,
-            status=STATUS_OF[new.branch],
-            certificate=own.ties.marked(certificate) if own.ties else certificate,
-            support_motion=new.support_motion,
-            motion=new.prepared.detector.farthest(x),
-            n_iterations=n_iterations,
-        )
-        return report(new.prepared.problem, loads, outcome)

@@ -20,37 +20,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drystone.common.tolerances import (
-    BY_REACH,
-    BY_UNBALANCED,
-    DAMPING,
-    FARTHEST_ROTATION,
-    FIRST_BARRIER,
-    GOOD_LENGTH,
-    LEAST_REDUCTION,
-    LENGTH_SHORTER,
-    LOST_SUPPORT,
-    MOST_DAMPING,
-    MOST_REDUCTION,
-    NEWTON_GAIN,
-    NEWTON_RESIDUAL,
-    NO_PROGRESS,
-    NOTHING_MORE,
-    PREDICTOR_RADIUS,
-    RECENTRED_BARRIER,
-    SLIP_RADIUS,
-    TELLING_RESIDUAL,
-    TELLS,
-)
+from drystone.common import tolerances
 from drystone.contact.contacts import INTACT, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.law import cones
-from drystone.statics.constants import Accuracy
 from drystone.statics.static_step import StaticStep
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,25 +38,25 @@ class InteriorSettings:
 
     #: First barrier; and what is added to it, over the square of the unbalanced force at the start:
     #: with less, contacts that are far from their final state shorten the iterations to nothing.
-    barrier: float = FIRST_BARRIER
-    unbalanced: float = BY_UNBALANCED
+    barrier: float = tolerances.FIRST_BARRIER
+    unbalanced: float = tolerances.BY_UNBALANCED
     #: Most iterations; most where a shorter step may be tried instead; iterations within which the
     #: energy must halve.
     max_iterations: int = 120
     few_iterations: int = 60
     patience: int = 40
     #: Energy below which the branches of contacts can be told.
-    enough: float = TELLS
+    enough: float = tolerances.TELLS
     #: Newton's method is tried every so many iterations; iterations that it has there, and at the
     #: start of a step from the last one.
     newton_every: int = 16
     newton_iterations: int = 6
     warm_iterations: int = 12
     #: Damping [1/s2], times the mass, where there are unstable directions.
-    damping: float = DAMPING
+    damping: float = tolerances.DAMPING
     #: Damping [1/s2] above which a part counts as unsupported.  A shorter step is then tried, if
     #: one may be.
-    lost: float = LOST_SUPPORT
+    lost: float = tolerances.LOST_SUPPORT
 
 
 #: Barrier of the last attempt, and most of it, for contacts that start as if each carried a block.
@@ -117,8 +92,8 @@ class Attempt:
 class InteriorPoint:
     """Finds where a step of one `StaticStep` ends; state is all the step's."""
 
-    def __init__(self, step: StaticStep, accuracy: Accuracy, settings: InteriorSettings) -> None:
-        self.step, self.accuracy, self.settings = step, accuracy, settings
+    def __init__(self, step: StaticStep, settings: InteriorSettings) -> None:
+        self.step, self.settings = step, settings
         dead = np.linalg.norm(translations(step.loads.dead)[~step.loads.fixed], axis=1)
         self.block_weight = float(dead.mean())
         self.iterations = 0
@@ -130,12 +105,12 @@ class InteriorPoint:
 
         It is given up where the unbalanced force has not come down by ``gain`` in ``patience``.
         """
-        step, accuracy = self.step, self.accuracy
+        step = self.step
         first = best = math.inf
         for k in range(iterations + 1):
             step.respond()
             residual = step.balance(step.reaction)
-            if step.balanced(accuracy):
+            if step.balanced():
                 return True
             if not residual < math.inf:
                 return False
@@ -143,32 +118,20 @@ class InteriorPoint:
             best = min(best, residual)
             if k == iterations or (k >= patience and best * gain > first):
                 return False
-            if not self._newton_step(step.missing):
+            self.iterations += 1
+            by_multiplier, length = step.aim(), self._limit_rotation(1.0)
+            if not math.isfinite(by_multiplier) or not length > 0.0:
                 return False
+            step.multiplier += length * by_multiplier
+            step.move(step.bordered.columns[0], length)
         return False
-
-    def _newton_step(self, missing: float) -> bool:
-        step = self.step
-        step.damping[:] = 0.0
-        self.iterations += 1
-        if not step.factorise(step.reaction, 0.0):
-            return False
-        columns = step.bordered.columns
-        columns[0] = step.force
-        by_multiplier = step.solve(missing)
-        length = self._limit_rotation(1.0)
-        if not math.isfinite(by_multiplier) or not length > 0.0:
-            return False
-        step.multiplier += length * by_multiplier
-        step.move(columns[0], length)
-        return True
 
     def _limit_rotation(self, length: float) -> float:
         """A ``length`` of the direction, or as much of it as rotates no body too far."""
         most = float(np.abs(rotations(self.step.bordered.columns[0])).max())
         if not most < math.inf:
             return 0.0
-        return min(length, FARTHEST_ROTATION / most) if most > 0.0 else length
+        return min(length, tolerances.FARTHEST_ROTATION / most) if most > 0.0 else length
 
     # The interior.
 
@@ -193,23 +156,27 @@ class InteriorPoint:
                 least, since = energy, k
             elif k - since > settings.patience:
                 return False
-            near = residual <= TELLING_RESIDUAL * self.block_weight
+            near = residual <= tolerances.TELLING_RESIDUAL * self.block_weight
             told = energy <= settings.enough * unit
             if told and near and self._solved():
                 return True
             due = k % settings.newton_every == 0 or (told and k >= again)
-            if due and residual <= NEWTON_RESIDUAL * self.block_weight and self._try_newton():
+            if (
+                due
+                and residual <= tolerances.NEWTON_RESIDUAL * self.block_weight
+                and self._try_newton()
+            ):
                 return True
             again = k + AGAIN if due and told else again
             damped = float(step.damping.max())
             if attempt.soon and (damped >= settings.lost or (told and damped > 0.0)):
                 return False
-            if near and energy <= NOTHING_MORE * unit:
+            if near and energy <= tolerances.NOTHING_MORE * unit:
                 return False
             if attempt.by_residual and not near and stalled >= STALLED:
                 if recentred == RECENTRED:
                     return False
-                self._centre(attempt, RECENTRED_BARRIER, unit)
+                self._centre(attempt, tolerances.RECENTRED_BARRIER, unit)
                 energy = cones.scale(joint, inner, step.scaling[:n])
                 step.balance(step.inside)
                 step.damping[:] = 0.0
@@ -217,7 +184,7 @@ class InteriorPoint:
             length = self._descend(attempt, energy)
             if not length >= 0.0:
                 return False
-            stalled = stalled + 1 if length < NO_PROGRESS else 0
+            stalled = stalled + 1 if length < tolerances.NO_PROGRESS else 0
         return False
 
     def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
@@ -231,7 +198,7 @@ class InteriorPoint:
             most = min(settings.unbalanced * unbalanced**2, MOST_BARRIER)
             barrier = max(barrier, most * unit)
         if attempt.by_increment:
-            barrier += BY_REACH * self.block_weight * abs(step.missing)
+            barrier += tolerances.BY_REACH * self.block_weight * abs(step.missing)
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _solved(self) -> bool:
@@ -244,11 +211,11 @@ class InteriorPoint:
     def _try_newton(self) -> bool:
         """Whether Newton's method finds the solution from here; else the step is left as it was."""
         step = self.step
-        place, damping = step.place, step.damping.copy()
+        x, multiplier, damping = step.x.copy(), step.multiplier, step.damping.copy()
         s = self.settings
-        if self.newton(s.newton_iterations, patience=NEWTON_PATIENCE, gain=NEWTON_GAIN):
+        if self.newton(s.newton_iterations, patience=NEWTON_PATIENCE, gain=tolerances.NEWTON_GAIN):
             return True
-        step.restore(place)
+        step.restart(x, multiplier)
         step.damping[:] = damping
         step.balance(step.inside)
         return False
@@ -261,7 +228,7 @@ class InteriorPoint:
         """
         step, settings, n = self.step, self.settings, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
-        step.respond_within()
+        cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
         if not step.factorise(step.inside, attempt.least_damping):
             return math.nan
@@ -269,23 +236,26 @@ class InteriorPoint:
         by_multiplier = self._direction(0.0, missing, second=False)
         if step.prescribed is not None and not step.stable:
             step.damping[:] = np.maximum(MORE * step.damping, settings.damping)
-            return 1.0 if step.damping[0] < MOST_DAMPING else math.nan
-        ahead = PREDICTOR_RADIUS * energy
+            return 1.0 if step.damping[0] < tolerances.MOST_DAMPING else math.nan
+        ahead = tolerances.PREDICTOR_RADIUS * energy
         far = self._length(ahead, ahead)
         reachable = cones.energy_at(joint, far, inner, change)
         share = (
-            min(max((reachable / energy) ** 3, LEAST_REDUCTION), MOST_REDUCTION)
+            min(
+                max((reachable / energy) ** 3, tolerances.LEAST_REDUCTION),
+                tolerances.MOST_REDUCTION,
+            )
             if energy > 0.0
             else 0.0
         )
         second = attempt.second and far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
-        far = self._length(ahead, SLIP_RADIUS * ahead)
+        far = self._length(ahead, tolerances.SLIP_RADIUS * ahead)
         far = self._limit_rotation(far)
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
-        if far > GOOD_LENGTH:
+        if far > tolerances.GOOD_LENGTH:
             step.damping *= LESS
             step.damping[step.damping < LEAST_DAMPING] = 0.0
         inner += far * change
@@ -313,7 +283,8 @@ class InteriorPoint:
         step.balance(step.reaction)
         step.bordered.columns[0] = step.force
         by_multiplier = step.solve(missing)
-        rates = step.contact_rates()[:n]
+        step.rates(step.bordered.columns[0])
+        rates = step.by_motion[:n]
         step.by_contacts(go)
         return by_multiplier
 
@@ -327,5 +298,5 @@ class InteriorPoint:
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         far, least = cones.length(joint, inner, change, radius)
         while far > least and cones.slip_rotates_too_far(joint, far, inner, change, slip_radius):
-            far *= LENGTH_SHORTER
+            far *= tolerances.LENGTH_SHORTER
         return float(max(far, least))

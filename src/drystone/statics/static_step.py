@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.threads import team
 from drystone.contact.contacts import (
     CRUSH,
@@ -37,7 +39,7 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.geometry import motion
-from drystone.law import cones, softening
+from drystone.law import softening
 from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import (
     BROKEN,
@@ -51,18 +53,14 @@ from drystone.law.columns import (
 )
 from drystone.law.cones import N_INNER, N_SCALING
 from drystone.law.packing import pack_laws
-from drystone.law.strengths import Strengths
 from drystone.statics import balance
-from drystone.statics.constants import Accuracy, Constants, PrescribedDisplacement
+from drystone.statics.equations import Loaded, PointDisplacement
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import symbolic as lu_symbolic
 from drystone.statics.linear.shared_lu import SharedLU
-from drystone.statics.linear.tangent import Tangent
+from drystone.statics.linear.symbolic import Tangent
 from drystone.statics.tie_forces import JoinedTies
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Number = TypeVar("Number", np.float64, np.int64)
 
 #: Contacts from which on threads gain, whose waking takes some 0.1 ms, when they share the
@@ -82,23 +80,27 @@ class Bordered(NamedTuple):
     sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
 
 
-class Place(NamedTuple):
-    """Where a step is."""
+@dataclass(frozen=True, kw_only=True)
+class StepSolution:
+    """Where the path led; with a `reason` where that is not an equilibrium."""
 
-    x: Array  # (n, n_dof) increments
+    increment: Array  # (n, n_dof)
     multiplier: float
-
-
-class Ended(NamedTuple):
-    """What a solution of a step has led to, of all slots; see `statics.yielding`."""
-
-    origin: IntArray  # (n_slots,) slots where the step started; -1 has none
-    before: Array  # (n_slots, N_HISTORY + dim - 2), of slots without one
-    after: Array  # likewise, at the end
-    gap: Array  # (n_slots,) m
-    current: Array  # (n_slots, N_CURRENT) parameters that they were solved with
-    normal: Array  # (n_slots,) N
-    area: Array  # (n_slots,) m2
+    n_iterations: int
+    #: First fold of the path of equilibria: share of the step, and multiplier there.
+    fold: tuple[float, float] | None = None
+    #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
+    #: its chord, each with the share of the step where it does so most.
+    excess: tuple[float, float] | None = None
+    bend: tuple[float, float] | None = None
+    #: Largest deviation of a block from the predictor, the tangent at the start, over the farthest
+    #: motion of a block; in space.
+    deviation: float | None = None
+    slope: float = np.nan  # 1/m, of the curve at the end; in space
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
+    unstable: bool = False  # whether it is unstable, and no stable one was found nearby
+    softened: bool = False  # whether joints soften where it is, and the slope is with that
+    reason: str = ""
 
 
 class StaticStep(ABC):
@@ -109,11 +111,15 @@ class StaticStep(ABC):
     `response` their derivatives by the trial reactions.  In the plane the third component is zero.
     """
 
-    def __init__(self, constants: Constants, pairs: Pairs) -> None:
-        loads, assembly = constants.loads, constants.detector.assembly
+    def __init__(self, loaded: Loaded, pairs: Pairs) -> None:  # Long: all the memory of a step.
+        loads, prepared, ties = loaded.loads, loaded.prepared, loaded.ties
+        assembly = prepared.assembly
         n, n_dof = loads.mass.shape
         n_pairs, n_slots, dim = pairs.n_pairs, pairs.n_slots, assembly.dimension
-        self.constants, self.loads, self.pairs, self.dim = constants, loads, pairs, dim
+        self.loaded, self.loads, self.pairs, self.dim = loaded, loads, pairs, dim
+        self.accuracy, self.detector, self.ties = loaded.accuracy, prepared.detector, ties
+        #: What loads are near a place and a multiplier; None where they are the same.
+        self.acting = None if loads.acting.steady else loads.acting
         # Contacts by the features that the step follows, where it starts; where it is; and as they
         # are found there.
         self.known, self.slots, self.found = (Slots.empty(n_slots, dim) for _ in range(3))
@@ -128,7 +134,7 @@ class StaticStep(ABC):
         self.scaling, self.drawn = np.zeros((n_slots, N_SCALING)), np.zeros((n_slots, 3))
         # Of the slots: whether they may yield, or have a brittle bond; by what they dilate, and the
         # slide until which they do.
-        law = constants.laws[pairs.law_of_slot]
+        law = prepared.laws[pairs.law_of_slot]
         self.yields = law[:, YIELDS] != 0.0
         self.bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
         self.dilate, self.until = law[:, TAN_PSI], law[:, DILATANCY_END]
@@ -136,7 +142,7 @@ class StaticStep(ABC):
         self.given = np.zeros((n, n_dof))  # increments of supports that move
         self.x, self.force, self.contact_force = (np.zeros((n, n_dof)) for _ in range(3))
         self.damping = np.zeros(n)
-        self.joined = loads.ties.joined(pairs.a, pairs.b) if loads.ties else None
+        self.joined = JoinedTies.of(ties.body, pairs.a, pairs.b) if ties else None
         joined: JoinedTies | Pairs = self.joined or pairs
         self.tangent = Tangent.zeros(n, len(joined.a), n_dof)
         self.team = team()
@@ -145,40 +151,30 @@ class StaticStep(ABC):
         structure = lu_symbolic.analyse(joined.a, joined.b, loads.fixed, place, n_dof)
         self.lu = SharedLU(structure, self.team)
         self.structure, self.factors = self.lu.structure, self.lu.factors
-        self.bordered = self._bordered(
-            Bordered(
-                load=loads.pattern.copy() if loads.acting else loads.pattern,
-                gradient=np.zeros((n, n_dof)),
-                axis=np.zeros((n, n_dof)),
-                columns=np.zeros((3, n, n_dof)),
-                determinant_ratio=np.ones(1),
-                sign=np.ones(1),
-            )
+        self.bordered = Bordered(
+            load=loads.pattern.copy() if self.acting else loads.pattern,
+            gradient=np.zeros((n, n_dof)),
+            axis=np.zeros((n, n_dof)),
+            columns=np.zeros((3, n, n_dof)),
+            determinant_ratio=np.ones(1),
+            sign=np.ones(1),
         )
-        self.forces = self._body_forces()
+        self.forces = balance.BodyForces(
+            contact=self.contact_force,
+            dead=loads.dead.copy() if self.acting else loads.dead,
+            pattern=self.bordered.load,
+            mass=loads.mass,
+            extent=prepared.extent,
+            fixed=loads.fixed,
+            left=self.force,
+        )
         self.n_due = 1  # columns of the bordered system that the next solution is to fill
-        self.prescribed: PrescribedDisplacement | None = None
+        self.prescribed: PointDisplacement | None = None
         self.all_slots, self.all_pairs = np.arange(n_slots), np.arange(n_pairs + 1)
         self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
         self.fresh = self.current
         self.history: Array | None = None
         self.multiplier, self.residual, self.inertia_factor = 0.0, np.inf, 0.0
-
-    def _body_forces(self) -> balance.BodyForces:
-        loads = self.loads
-        return balance.BodyForces(
-            contact=self.contact_force,
-            dead=loads.dead.copy() if loads.acting else loads.dead,
-            pattern=self.bordered.load,
-            mass=loads.mass,
-            extent=loads.extent,
-            fixed=loads.fixed,
-            left=self.force,
-        )
-
-    def _bordered(self, bordered: Bordered) -> Any:
-        """The bordered system, with what else a form of the step needs for its directions."""
-        return bordered
 
     # The step.
 
@@ -189,7 +185,7 @@ class StaticStep(ABC):
         history: Array,
         branch: IntArray,
         h: float,
-        prescribed: PrescribedDisplacement | None,
+        prescribed: PointDisplacement | None,
         guess: Array,
         current: Array | None = None,
         fresh: Array | None = None,
@@ -220,8 +216,9 @@ class StaticStep(ABC):
         ``closed`` (n_slots,) says which joints may dilate in the step, ``branch`` (n_slots,) what
         contacts do at its start.
         """
-        c, table = self.constants, self.table
-        self.n = n = pack_laws(self.known, self.pairs, c.laws, c.thickness, self.contacts)
+        prepared, table = self.loaded.prepared, self.table
+        thickness = prepared.assembly.thickness
+        self.n = n = pack_laws(self.known, self.pairs, prepared.laws, thickness, self.contacts)
         used, pair = self.which[:n, SLOT], self.which[:n, PAIR]
         if self.any_dilates:
             dilates = closed & (self.history_before[:, SLID] < self.until)
@@ -231,7 +228,7 @@ class StaticStep(ABC):
         self.first[:] = pair.searchsorted(self.all_pairs)
         self.cuts, self.little_cuts = self._cut(MANY), self._cut(MANY_OF_LITTLE)
         self.branch[:n] = branch[used]
-        self.area = self.known.size[used] * self.constants.thickness
+        self.area = self.known.size[used] * thickness
         if len(self.current):
             self._use_current()
 
@@ -250,15 +247,6 @@ class StaticStep(ABC):
         self.multiplier = multiplier
         self._reset()
         self.move(x, 1.0)
-
-    @property
-    def place(self) -> Place:
-        """Where the step is; see `restore`."""
-        return Place(self.x.copy(), self.multiplier)
-
-    def restore(self, place: Place) -> None:
-        """Put the bodies back at a place where the step has been."""
-        self.restart(*place)
 
     def move(self, step: Array, length: float) -> None:
         """Move on by ``length`` times increments (n, n_dof); contacts are located anew."""
@@ -286,52 +274,48 @@ class StaticStep(ABC):
         """Reactions of the joint law, and their derivatives."""
         self._by_pairs(self._respond)
 
-    def respond_within(self) -> None:
-        """Derivatives of the reactions in the interior, once its variables are scaled."""
-        cones.responses(self.scaling[: self.n], self.response[: self.n])
-
     def balance(self, reaction: Array) -> float:
         """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
         self._sum_forces(reaction)
         self._act()
-        if self.loads.ties:
-            self.loads.ties.add_to(self.contact_force)
+        if self.ties:
+            self.ties.add_to(self.contact_force)
         self.residual = balance.unbalance(self.forces, self.multiplier, self.x, self.inertia_factor)
         return self.residual
 
     def _act(self) -> None:
         """Let ties and loads act where the step is."""
-        ties, acting = self.loads.ties, self.loads.acting
-        if ties:
-            ties.act(self._pose_now())
-        if acting:
-            self.forces.dead[:], self.forces.pattern[:] = acting.near(
-                self._pose_now(), self.multiplier
-            )
+        if self.ties:
+            self.ties.act(self._pose_now())
+        if self.acting:
+            now = self.acting.near(self._pose_now(), self.multiplier)
+            self.forces.dead[:], self.forces.pattern[:] = now
 
-    def enough(self, accuracy: Accuracy, moved: float) -> float:
+    def enough(self, moved: float) -> float:
         """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks
         have ``moved`` [m] at most in the step.
 
         Gaps are as precise as displacements from the design in the plane, where they are
         differences of coordinates; all else is as precise as the motion within the step.
         """
+        accuracy = self.accuracy
         if self.residual <= accuracy.tolerance:
             return accuracy.tolerance
         far = moved + self._from_design()
         rounding = max(accuracy.rounding * far, accuracy.sliding_rounding * moved)
         return max(accuracy.tolerance, rounding)
 
-    def balanced(self, accuracy: Accuracy) -> bool:
+    def balanced(self) -> bool:
         """Whether the forces last evaluated balance, and nothing is missing of the increment."""
+        accuracy = self.accuracy
         if abs(self.missing) > accuracy.lag or self.residual > accuracy.coarsest:
             return False
         if self.residual <= accuracy.tolerance:
             return True
-        return self.residual <= self.enough(accuracy, self.constants.detector.farthest(self.x))
+        return self.residual <= self.enough(self.detector.farthest(self.x))
 
     def _pose_now(self) -> Array:
-        return self.constants.detector.assembly.moved(self.pose, self.x)
+        return self.detector.assembly.moved(self.pose, self.x)
 
     def factorise(self, reaction: Array, least_damping: float) -> bool:
         """Factorise the stiffness for the present `response` and reactions; False if singular.
@@ -340,13 +324,12 @@ class StaticStep(ABC):
         ``least_damping`` is positive, it is raised by no less for blocks without support.
         """
         self._stiffen(reaction)
-        c = self.loads
-        if c.ties and self.joined:
-            c.ties.act(self._pose_now())
+        if self.ties and self.joined:
+            self.ties.act(self._pose_now())
             self.joined.clear(self.tangent, self.pairs.n_pairs)
-            self.joined.stiffen(self.tangent, c.ties.stiffness())
-        if c.acting:
-            turning = c.acting.stiffness(self._pose_now(), self.multiplier)
+            self.joined.stiffen(self.tangent, self.ties.stiffness())
+        if self.acting:
+            turning = self.acting.stiffness(self._pose_now(), self.multiplier)
             self.tangent.diagonal[:, self.dim :, self.dim :] += turning
         bordered, mass = self.bordered, self.loads.mass
         spring = balance.stiffen(
@@ -387,15 +370,27 @@ class StaticStep(ABC):
             else 0.0
         )
 
+    def aim(self) -> float:
+        """Newton's direction in the first column, and of the multiplier; NaN if there is none."""
+        self.damping[:] = 0.0
+        if not self.factorise(self.reaction, 0.0):
+            return np.nan
+        self.bordered.columns[0] = self.force
+        return self.solve(self.missing)
+
+    def slope(self) -> float | None:
+        """The tangent in the first column, and the slope of the curve [1/m], zero without a
+        prescribed displacement; None where the stiffness is singular."""
+        self.damping[:] = 0.0
+        if not self.factorise(self.reaction, 0.0):
+            return None
+        self.bordered.columns[0] = 0.0
+        return self.solve(1.0)
+
     @property
     def stable(self) -> bool:
         """Whether the number of unstable modes is even, once a direction has been solved for."""
         return bool(self.bordered.sign[0] * self.bordered.determinant_ratio[0] < 0.0)
-
-    def contact_rates(self) -> Array:
-        """How gaps and slips go along the direction, (n_slots, 3)."""
-        self._rates(self.bordered.columns[0])
-        return self.by_motion
 
     # What knows the dimension.
 
@@ -432,7 +427,7 @@ class StaticStep(ABC):
         """Fill `tangent` with that of minus the contacts' forces, geometric part and all."""
 
     @abstractmethod
-    def _rates(self, direction: Array) -> None:
+    def rates(self, direction: Array) -> None:
         """Fill `by_motion` with how gaps and slips go along a direction (n, n_dof)."""
 
     @abstractmethod
@@ -444,7 +439,7 @@ class StaticStep(ABC):
         """Gaps of the contacts in use where the step is, (n,) [m]."""
 
     @abstractmethod
-    def update_contacts(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self) -> bool:
         """Update the contacts to where the step is; whether any has changed."""
 
     # What is done with each contact: of pairs from ``low`` to ``high``.
@@ -486,23 +481,16 @@ class StaticStep(ABC):
         self._age(history)
         return history
 
-    def ended(self) -> Ended:
-        """What the strengths of joints are to follow from; see `statics.yielding`."""
+    def ended(self) -> tuple[Array, Array, Array, Array]:
+        """What the strengths of joints are to follow from, of all slots; see `statics.yielding`:
+        history at the end, gaps [m], normal reactions [N] and areas [m2]."""
         used = self.which[: self.n, SLOT]
         self.history = self._aged()
         gap, area = np.full(len(self.branch), np.inf), np.zeros(len(self.branch))
         gap[used], area[used] = self.gaps(), self.area
-        return Ended(
-            origin=self.origin,
-            before=self.history_before,
-            after=self.history,
-            gap=gap,
-            current=self.current,
-            normal=self.by_slot(self.reaction)[:, 0],
-            area=area,
-        )
+        return self.history, gap, self.by_slot(self.reaction)[:, 0], area
 
-    def soften(self, strengths: Strengths, start: Array) -> tuple[IntArray, Array]:
+    def soften(self, start: Array) -> tuple[IntArray, Array]:
         """Unbalanced forces, and response, where the step is, with the strengths that joints have
         there.
 
@@ -510,7 +498,7 @@ class StaticStep(ABC):
         present slots.  Returns slots (n,) of joints that yield, and their state (n, N_POINT).
         """
         self.respond()
-        used = self.which[: self.n, SLOT]
+        used, strengths = self.which[: self.n, SLOT], self.loaded.prepared.strengths
         law = self.pairs.law_of_slot[used]
         rows = np.flatnonzero(strengths.yields[law])
         slot, law = used[rows], law[rows]
@@ -542,16 +530,13 @@ class StaticStep(ABC):
         self.respond()
         self.balance(self.reaction)
 
-    def _find(self) -> Array:
-        """Find the contacts where the blocks are now, into `found`, unless they have been; their
-        poses."""
-        detector = self.constants.detector
-        pose = detector.assembly.moved(self.pose, self.x)
+    def _find(self) -> None:
+        """Find the contacts where the blocks are now, into `found`, unless they have been."""
+        pose = self._pose_now()
         if self.found_at is None or not np.array_equal(self.found_at, pose):
             self.found.which[:] = self.known.which
-            detector.fill(self.pairs, pose, self.found)
+            self.detector.fill(self.pairs, pose, self.found)
             self.found_at = pose
-        return pose
 
     def by_slot(self, values: NDArray[Number]) -> NDArray[Number]:
         """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""

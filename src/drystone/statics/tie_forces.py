@@ -15,32 +15,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.law.certificate import Certificate
 from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import principal_axes
 from drystone.model.ties import BROKEN, Bars, TieState
-from drystone.statics.linear.tangent import Tangent
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from drystone.statics.linear.symbolic import Tangent
 
 
 class TieForces:
-    """Ties of a structure from the state where a step begins.
-
-    Parameters
-    ----------
-    bars
-        All of them.
-    assembly
-        Whose bodies they join.
-    departed
-        (n,) bodies that have left, with their ties.
-    """
+    """Ties of a structure from the state where a step begins, but those of ``departed`` bodies."""
 
     def __init__(self, bars: Bars, assembly: Assembly, departed: BoolArray) -> None:
         self.bars, self.assembly = bars, assembly
@@ -126,10 +112,6 @@ class TieForces:
         touched[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
         return certificate._replace(touched=touched)
 
-    def joined(self, a: IntArray, b: IntArray) -> JoinedTies:
-        """With the pairs (n_pairs,) of bodies that contacts join; see `JoinedTies`."""
-        return JoinedTies.of(self.body, a, b)
-
     def ended(self, *, yields: bool = True, aged: bool = False) -> TieState:
         """The state where a step has ended at the last poses; see `Bars.ended`."""
         return self.bars.ended(self.before, self.value, self.now, yields=yields, aged=aged)
@@ -146,21 +128,11 @@ class TieForces:
 
 
 class TieImpulses:
-    """Ties in an implicit step of contact dynamics: along the lines that they have where it starts,
-    with the force at its end.
-
-    Parameters
-    ----------
-    ties
-        In the poses where the step starts.
-    a, b
-        Bodies of the contacts' pairs, (n_pairs,).
-    h
-        Time step [s].
-    """
+    """Ties in an implicit step ``h`` [s] of contact dynamics: along the lines that they have where
+    it starts, with the force at its end; ``a`` and ``b`` are bodies of the contacts' pairs."""
 
     def __init__(self, ties: TieForces, a: IntArray, b: IntArray, h: float) -> None:
-        self.ties, self.h, self.joined = ties, h, ties.joined(a, b)
+        self.ties, self.h, self.joined = ties, h, JoinedTies.of(ties.body, a, b)
         self.start = ties.now[:, kernel.ELONGATION].copy()
         self.gradient = ties.gradient()
 
@@ -248,21 +220,3 @@ class JoinedTies:
         kept = self.apart
         np.add.at(tangent.upper, self.pair[kept], np.where(swap, back, forth)[kept])
         np.add.at(tangent.lower, self.pair[kept], np.where(swap, forth, back)[kept])
-
-    def within(self, among: BoolArray) -> tuple[IntArray, IntArray]:
-        """The ties that have an end among some bodies (n,), and their bodies, (., 2): twice the
-        same where the other end is elsewhere."""
-        inside = among[self.body]
-        chosen = np.flatnonzero(inside.any(axis=1))
-        body = self.body[chosen]
-        return chosen, np.where(inside[chosen], body, body[:, ::-1])
-
-    def halved(self, found: Array, chosen: IntArray, body: IntArray) -> Array:
-        """Stiffnesses of the ties ``within``, without what moves an end that is elsewhere."""
-        part, nd = found[chosen], found.shape[1] // 2
-        elsewhere = body != self.body[chosen]
-        for side in range(2):
-            rows = slice(side * nd, side * nd + nd)
-            part[elsewhere[:, side], rows, :] = 0.0
-            part[elsewhere[:, side], :, rows] = 0.0
-        return part

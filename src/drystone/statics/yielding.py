@@ -20,28 +20,16 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drystone.common.tolerances import (
-    FARTHEST_AGAIN,
-    LEAST_RELAXATION,
-    LEFT,
-    MISSING,
-    MOST_RELAXATION,
-    STRAIGHT,
-)
-from drystone.contact.contacts import (
-    INTERCEPT,
-)
+from drystone.common import tolerances
+from drystone.common.arrays import Array, IntArray
+from drystone.contact.contacts import INTERCEPT
+from drystone.geometry.motion import rotations
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.statics.softening_newton import SofteningNewton
-from drystone.statics.solution import StepSolution, bend_of_cubic
-from drystone.statics.static_step import StaticStep
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drystone.statics.solution import StabilitySettings, bend_of_cubic, grows
+from drystone.statics.static_step import StaticStep, StepSolution
 
 #: Solutions of a step before it counts as failed: where joints may fail within it, and where a
 #: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
@@ -73,38 +61,26 @@ Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 # Long: Newton's method and falling strengths alternate, each from what the other has found.
 def solve(
     step: StaticStep,
-    strengths: Strengths,
     start: Beginning,
     once: Once,
-    newton: Callable[[StepSolution | None, Array, Array], SofteningNewton | None],
-    tolerance: float,
+    begin: Callable[[Array, Array], None],
     increment: float | None,
+    stability: StabilitySettings,
     *,
     may_snap: bool,
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
 
-    Parameters
-    ----------
-    step
-        The equations.
-    strengths
-        Of the joints.
-    start
-        Where the step starts.
-    once
-        Begins the step with the parameters of contacts (n_slots, N_CURRENT), and those of contacts
-        made in it (n_slots, N_CURRENT), and solves it from the branches (n_slots,), with gradients
-        of the increments (n, n_dof) near which it will end, if these are known.
-    newton
-        Gives Newton's method from a solution, or from the guess where there is none, with the
-        parameters of contacts, as for ``once``; None where it cannot begin.
-    tolerance, increment
-        Force [N] by which the strengths may still change; prescribed displacement [m], if any.
-    may_snap
-        Whether joints may fail within the step, so that it ends at an equilibrium far away.
+    ``once`` begins it with the parameters of contacts (n_slots, N_CURRENT) and those of contacts
+    made in it, and solves it from the branches (n_slots,), with gradients of the increments (n,
+    n_dof) near which it will end, if these are known.  ``begin`` begins it where it is expected to
+    end.  With ``may_snap`` joints may fail within it, so that it ends at an equilibrium far away.
     """
-    law, history = step.pairs.law_of_slot, start.history
+    law, history, prepared = step.pairs.law_of_slot, start.history, step.loaded.prepared
+    strengths, tolerance = (
+        prepared.strengths,
+        tolerances.STRENGTHS_FIXED * prepared.assembly.heaviest_weight,
+    )
     now = strengths.first(history, start.gap)
     current, iterations = strengths.current(law, history, now), 0
     fresh = strengths.fresh[law]
@@ -124,7 +100,7 @@ def solve(
             solved = replace(solved, n_iterations=iterations)
             if not solved.reason:
                 going, first = solved, first or solved
-                come = _Come.to(step, strengths, history)
+                come = _Come.to(step, history)
                 if come.change <= tolerance:
                     strengths.write(law, come.reached, come.after)
                     if first is solved:  # nothing has yielded
@@ -133,12 +109,15 @@ def solve(
                 near = solved.increment
             elif k > 1 or np.isfinite(start.rise):
                 return solved
-        on = newton(going, current, fresh)
-        found = _converge(on, come, LEFT * tolerance)
-        if on and found:
-            slope, near = found.slope, on.increment
+        found = None
+        if strengths.smooth:
+            if not going:
+                begin(current, fresh)
+            found = _converge(step, come, tolerances.LEFT * tolerance, stability)
+        if found:
+            slope, near = found.slope, step.x.copy()
             current = strengths.current(law, come.before, found.reached)
-            stood = _stood(step, strengths, history, on, current, solved, tolerance)
+            stood = _stood(step, history, found, current, solved, tolerance)
             if stood:
                 return _shaped(stood, first, start, increment, slope, fallen > 0, may_snap)
             now = _at(found.reached, now, come.origin)
@@ -155,78 +134,99 @@ def solve(
 class _Come(NamedTuple):
     """Where the equations of a step were last evaluated: the state of softening of its contacts."""
 
-    origin: IntArray  # (n_slots,) see `Ended`
+    origin: IntArray  # (n_slots,) slots where the step started; -1 has none
     before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
     after: Array  # likewise, at the end: that of the step
     reached: Reached
     change: float  # N, by which the strengths that follow from it differ from those solved with
 
     @classmethod
-    def to(cls, step: StaticStep, strengths: Strengths, history: Array) -> _Come:
+    def to(cls, step: StaticStep, history: Array) -> _Come:
         """That of a step which starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
-        law, end = step.pairs.law_of_slot, step.ended()
-        before = np.where((end.origin < 0)[:, None], end.before, history[end.origin])
-        reached = strengths.reached(law, before, end.after, end.gap)
-        current = strengths.current(law, before, reached)
-        change = difference(current, end.current, end.normal, end.area)
-        return cls(end.origin, before, end.after, reached, change)
-
-
-def _stood(
-    step: StaticStep,
-    strengths: Strengths,
-    history: Array,
-    newton: SofteningNewton,
-    current: Array,
-    solved: StepSolution,
-    tolerance: float,
-) -> StepSolution | None:
-    """The end of Newton's method, if it is an equilibrium with the strengths there; the history is
-    then that of the step."""
-    stood = newton.stand(current, solved)
-    if not stood:
-        return None
-    there, law = _Come.to(step, strengths, history), step.pairs.law_of_slot
-    if there.change > tolerance:
-        return None
-    strengths.write(law, there.reached, there.after)
-    return stood
+        law, (after, gap, normal, area) = step.pairs.law_of_slot, step.ended()
+        strengths = step.loaded.prepared.strengths
+        before = np.where((step.origin < 0)[:, None], step.history_before, history[step.origin])
+        reached = strengths.reached(law, before, after, gap)
+        change = difference(strengths.current(law, before, reached), step.current, normal, area)
+        return cls(step.origin, before, after, reached, change)
 
 
 class _Converged(NamedTuple):
     reached: Reached
     slope: float  # 1/m
+    tangent: Array  # (n, n_dof)
 
 
-def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Converged | None:
-    """Iterate Newton's method from where contacts have come to; None where that leads to no stable
-    equilibrium.  ``enough`` is the force that may be left [N]."""
-    if newton is None:
+def _stood(
+    step: StaticStep,
+    history: Array,
+    found: _Converged,
+    current: Array,
+    solved: StepSolution,
+    tolerance: float,
+) -> StepSolution | None:
+    """The end of Newton's method, if it is an equilibrium with the ``current`` parameters of joints
+    (n_slots, N_CURRENT), which are those there; the history is then that of the step, and all else
+    is that of one ``solved`` before."""
+    step.take(current)
+    moved = step.detector.farthest(step.x)
+    if not (step.balanced() and moved <= step.accuracy.farthest) or step.update_contacts():
         return None
-    start = come.before
-    slot, point = newton.soften(start)
+    there = _Come.to(step, history)
+    if there.change > tolerance:
+        return None
+    law, strengths = step.pairs.law_of_slot, step.loaded.prepared.strengths
+    strengths.write(law, there.reached, there.after)
+    return replace(
+        solved,
+        increment=step.x.copy(),
+        multiplier=step.multiplier,
+        excess=solved.excess or (0.0, 0.0),
+        bend=solved.bend or (0.0, 0.0),
+        slope=found.slope,
+        tangent=found.tangent,
+        fold=None,
+        unstable=False,
+        reason="",
+    )
+
+
+def _converge(
+    step: StaticStep,
+    come: _Come,
+    enough: float,
+    stability: StabilitySettings,
+) -> _Converged | None:
+    """Iterate Newton's method, with the strengths that the joints have where it is, from where
+    contacts have come to; None where that leads to no stable equilibrium.  ``enough`` is the force
+    that may be left [N]."""
+    slot, point = step.soften(come.before)
     for _ in range(MOST_ITERATIONS):
-        residual = newton.residual
-        if residual <= enough and abs(newton.missing) <= MISSING:
+        residual = step.residual
+        if residual <= enough and abs(step.missing) <= tolerances.MISSING:
             break
-        if not (np.isfinite(residual) and newton.aim()):
+        by_multiplier = step.aim() if np.isfinite(residual) else np.nan
+        direction, length = step.bordered.columns[0], 1.0
+        most = float(np.abs(rotations(direction)).max())
+        if not (np.isfinite(by_multiplier) and most < tolerances.FARTHEST_ROTATION):
             return None
-        length = 1.0
-        newton.move(length)
-        slot, point = newton.soften(start)
+        step.multiplier += by_multiplier
+        step.move(direction, 1.0)
+        slot, point = step.soften(come.before)
         for _ in range(MOST_HALVINGS):
-            if newton.residual < max(residual, enough):
+            if step.residual < max(residual, enough):
                 break
             length *= 0.5
-            newton.move(-length)
-            slot, point = newton.soften(start)
+            step.multiplier -= length * by_multiplier
+            step.move(direction, -length)
+            slot, point = step.soften(come.before)
         else:
-            if not newton.residual < max(residual, enough):
+            if not step.residual < max(residual, enough):
                 return None
     else:
         return None
-    slope = newton.slope()
-    if slope is None:
+    slope, tangent = step.slope(), step.bordered.columns[0].copy()
+    if slope is None or not (step.stable and np.isfinite(slope)) or grows(step, stability):
         return None
     reached = Reached(*(a.copy() for a in come.reached))
     for own, column in (
@@ -236,8 +236,8 @@ def _converge(newton: SofteningNewton | None, come: _Come, enough: float) -> _Co
         (reached.crushed, softening.P_CRUSHED),
     ):
         own[slot] = point[:, column]
-    reached.gap[slot] = newton.gap(slot) + reached.crushed[slot]
-    return _Converged(reached, slope)
+    reached.gap[slot] = step.ended()[1][slot] + reached.crushed[slot]
+    return _Converged(reached, slope, tangent)
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
@@ -283,7 +283,7 @@ class _Relaxation:
             share = -self.share * along / size if size > 0.0 else 1.0
             if self.leaves and along > 0.0:
                 share = 2.0 * self.share
-            self.share = min(max(share, LEAST_RELAXATION), MOST_RELAXATION)
+            self.share = min(max(share, tolerances.LEAST_RELAXATION), tolerances.MOST_RELAXATION)
         self.last = missing
         more = self.share
         return there._replace(
@@ -329,7 +329,7 @@ def _shaped(
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before, sense) or excess
     bend = max(solved.bend or (0.0, 0.0), bend_of_cubic(rise, change, at_end))
-    bend = bend[0], min(bend[1], FARTHEST_AGAIN)
+    bend = bend[0], min(bend[1], tolerances.FARTHEST_AGAIN)
     if slope is None:
         return replace(solved, excess=excess, bend=bend)
     return replace(solved, excess=excess, bend=bend, slope=slope, softened=True)
@@ -348,7 +348,7 @@ def _hidden(
         return None
     with_start, with_end = sense * first.multiplier, sense * last.multiplier
     rise, drop = with_start - multiplier, with_start - with_end
-    if abs(first.bend[0]) <= STRAIGHT * abs(drop) and first.excess[0] <= 0.0:
+    if abs(first.bend[0]) <= tolerances.STRAIGHT * abs(drop) and first.excess[0] <= 0.0:
         if drop <= 0.0 or not 0.0 < rise < 2.0 * drop:
             return 0.0, 0.0
         top = multiplier + 0.25 * rise * rise / drop

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.linear.tangent import Tangent
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from drystone.statics.linear.symbolic import Tangent
 
 
 class SingularMatrixError(ArithmeticError):
@@ -19,19 +15,7 @@ class SingularMatrixError(ArithmeticError):
 
 
 class BlockSystem:
-    """Solves for the velocities of the blocks in contact along one list of pairs.
-
-    Parameters
-    ----------
-    a, b
-        Bodies of each pair, (n_pairs,).
-    mass
-        (n, n_dof) [kg, kg m2], zero on fixed bodies.
-    fixed
-        (n,) bodies that do not move.
-    place
-        (n, dim) m, about where the bodies are, for the order of elimination.
-    """
+    """Solves for the velocities of the blocks in contact along one list of pairs; see `analyse`."""
 
     def __init__(
         self, a: IntArray, b: IntArray, mass: Array, fixed: BoolArray, place: Array

@@ -21,8 +21,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.common.tolerances import MOST_RAISED
 from drystone.statics.linear.symbolic import (
@@ -37,8 +37,6 @@ from drystone.statics.linear.symbolic import (
     UPDATE,
     Structure,
 )
-
-Array = NDArray[np.float64]
 
 
 class Factors(NamedTuple):

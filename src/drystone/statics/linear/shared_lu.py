@@ -9,15 +9,21 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.threads import Team
 from drystone.common.tolerances import WORTH_SHARING
 from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear.symbolic import BORDER, CHILD, FIRST, SIBLING, UPDATE, Structure, cost
-from drystone.statics.linear.tangent import Tangent
-
-Array = NDArray[np.float64]
+from drystone.statics.linear.symbolic import (
+    BORDER,
+    CHILD,
+    FIRST,
+    SIBLING,
+    UPDATE,
+    Structure,
+    Tangent,
+    cost,
+)
 
 #: Subtrees are parted further as long as that gains, up to so many times.
 MOST_PARTED = 40
@@ -97,7 +103,7 @@ def _times(structure: Structure) -> Array:
 
 
 def _parted(
-    fronts: NDArray[np.int64], times: Array, n: int
+    fronts: IntArray, times: Array, n: int
 ) -> tuple[list[tuple[int, int]], list[list[int]]]:
     """Subtrees as ranges of fronts, and which of them each of up to ``n`` threads does.
 

@@ -9,15 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import CALL_TIME, MULTIPLICATION_TIME
 from drystone.statics.linear.order import dissect, neighbours
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Columns of `Structure.fronts`.  Of the first four a front ends where the next one begins.
 FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
@@ -37,6 +33,19 @@ class Structure(NamedTuple):
     runs: IntArray  # (n_border, 3) place in ``border``, place in the front above, and how many
     entries: IntArray  # (n_entries, 4) pair, places of its bodies in the front, whether a is first
     dof: tuple[int, ...]  # as long as a body has degrees of freedom, which compilers so know
+
+
+class Tangent(NamedTuple):
+    """Block form of the stiffness matrix: diagonal blocks, and both of every pair."""
+
+    diagonal: Array  # (n, n_dof, n_dof)
+    upper: Array  # (n_pairs, n_dof, n_dof) rows of a, columns of b
+    lower: Array  # (n_pairs, n_dof, n_dof) rows of b, columns of a
+
+    @classmethod
+    def zeros(cls, n: int, n_pairs: int, n_dof: int) -> Tangent:
+        """That of nothing."""
+        return cls(*(np.zeros((count, n_dof, n_dof)) for count in (n, n_pairs, n_pairs)))
 
 
 @njit(cache=True)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
     ADD_N,
@@ -46,10 +46,6 @@ from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law.columns import DILATION, SHEAR
 from drystone.law.plane import choose, respond
 from drystone.statics.balance import BodyForces, unbalance
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 class Beginning(NamedTuple):
@@ -143,26 +139,8 @@ def add(field, total):
 
 @njit(cache=True, error_model="numpy")
 def locate(slots, history, known, lines, contacts, count, increment, trial):
-    """Gradients and trial reactions of contacts in the present poses.
-
-    Parameters
-    ----------
-    slots
-        Contacts there.
-    history
-        (n_slots, N_HISTORY), what contacts bring along; see `law.plane.remember`.
-    known
-        (n_slots,) those that were there when the step began.
-    lines
-        (n_slots, dim, 2 n_dof) of these: gradients of the slip that hold for the step.  Others slip
-        by the exact distance.
-    contacts, count
-        Their `rows` and trial reactions are filled.
-    increment
-        Motion since the start of the step, (n, n_dof) [m, rad].
-    trial
-        (n_slots, 3) filled [N].
-    """
+    """Fill gradients and trial reactions of ``contacts`` in the present poses, (n_slots, 3) [N];
+    see `Beginning`, also for those ``known``, and `Located`."""
     meets, value = slots
     which, rows, table = contacts
     for c in range(count):
@@ -217,19 +195,7 @@ def move_trial(which, rows, table, count, motion):
 
 @njit(cache=True, error_model="numpy")
 def geometric_stiffness(slots, contacts, count, reaction, tangent):
-    """Fill ``tangent`` with what turning contacts, at held reactions, add to that of minus forces.
-
-    Parameters
-    ----------
-    slots
-        Contacts in the present poses.
-    contacts, count
-        Packed, see `contact.contacts`.
-    reaction
-        (n_slots, 2 or more) [N].
-    tangent
-        `Tangent`.
-    """
+    """Fill ``tangent`` with what contacts that turn, at held reactions, add to it."""
     tangent.diagonal[:, :, :] = 0.0
     tangent.upper[:, :, :] = 0.0
     tangent.lower[:, :, :] = 0.0
@@ -266,24 +232,11 @@ def add_blocks(hess, a, b, p, diagonal, upper, lower):
 
 @njit(cache=True, error_model="numpy")
 def assemble(contacts, count, pair_bodies, reaction, response, geometric, motion, force, tangent):
-    """Forces of all contacts that respond as given, and the tangent of minus them.
+    """Fill ``force`` (n, n_dof) and ``tangent``: of all contacts that respond as given, to first
+    order after a ``motion`` (n, n_dof) from where the table was made, and of minus these forces.
 
-    Parameters
-    ----------
-    contacts, count
-        Packed, see `contact.contacts`.
-    pair_bodies
-        (n_pairs, 2) bodies of all pairs of the matrix.
-    reaction, response
-        (n_slots, 3) and (n_slots, 3, 3), see `law.plane.respond`.
-    geometric
-        `Tangent` of what does not depend on the branches; see `geometric_stiffness`.
-    motion
-        (n, n_dof) from where the table was made to where the response belongs.
-    force
-        (n, n_dof) filled with the forces there, to first order.
-    tangent
-        `Tangent`, filled.
+    ``geometric`` is the `Tangent` of what does not depend on the branches, ``pair_bodies``
+    (n_pairs, 2) are the bodies of all pairs of the matrix.
     """
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     bent, above, below = geometric.diagonal, geometric.upper, geometric.lower
@@ -320,21 +273,3 @@ def assemble(contacts, count, pair_bodies, reaction, response, geometric, motion
                 hess[i, j] = by_gap * rows[c, OF_GAP, j] + by_slip * rows[c, MEASURED, j]
         add_force(rows, c, rn, rt, a, b, force)
         add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)
-
-
-@njit(cache=True, error_model="numpy")
-def respond_along(contacts, count, pair_bodies, answer, geometric, motion, force, tangent):
-    """Forces, and tangent, of contacts that stay in their branches where the trial reactions have
-    moved on; see `assemble`."""
-    respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
-    assemble(
-        contacts,
-        count,
-        pair_bodies,
-        answer.reaction,
-        answer.response,
-        geometric,
-        motion,
-        force,
-        tangent,
-    )

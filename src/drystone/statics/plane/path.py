@@ -17,8 +17,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import BELOW_START, LEAST_PIVOT, SLOW
 from drystone.contact.contacts import (
@@ -36,16 +36,15 @@ from drystone.contact.rows import MEASURED, OF_GAP
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_joint, both, sense
 from drystone.law.limits import limited_normal
 from drystone.law.pieces import all_dry, change, distance, distance_of_dry
-from drystone.law.plane import commit
+from drystone.law.plane import commit, respond
 from drystone.statics.balance import dot, solve_bordered, stiffen, unbalance
 from drystone.statics.linear.numeric import Factors, factorise, solve
-from drystone.statics.linear.symbolic import Structure
-from drystone.statics.linear.tangent import Tangent
+from drystone.statics.linear.symbolic import Structure, Tangent
 from drystone.statics.plane.contacts import (
     add,
     add_geometric_stiffness,
+    assemble,
     move_trial,
-    respond_along,
 )
 
 #: How a path ends: at its target; at a fold before it; at a change after which the matrix must be
@@ -53,27 +52,18 @@ from drystone.statics.plane.contacts import (
 #: matrix to be factorised.
 DONE, FOLDED, RENEW, LOST, SINGULAR, WAITS = 0, 1, 2, 3, 4, 5
 
-Array = NDArray[np.float64]
 
+class Way(NamedTuple):
+    """Memory for a path's changes."""
 
-class BorderedPath(NamedTuple):
-    """What borders the matrix, and memory for a path's directions; arrays are (n, n_dof)."""
-
-    load: Array  # F
-    gradient: Array  # g, gradient of the prescribed displacement
-    axis: Array  # direction of the spring e over all bodies
-    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     changes: Array  # (n_changes, n, n_dof) K^-1 u of every change
     change_of_multiplier: Array  # (n_changes,)
     row: Array  # (n_changes, 1, 2 n_dof) v of every change
-    bodies: NDArray[np.int64]  # (n_changes, 2)
+    bodies: IntArray  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
     fold: Array  # (2,) share of the step and multiplier of the first fold; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
-    # (1,) determinant of the bordered matrix over that of K'
-    determinant_ratio: Array
-    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
 
@@ -82,7 +72,7 @@ class Pieces(NamedTuple):
 
     structure: Structure  # of the matrix
     factors: Factors
-    pair_bodies: NDArray[np.int64]  # (n_pairs, 2) of all pairs of the matrix
+    pair_bodies: IntArray  # (n_pairs, 2) of all pairs of the matrix
     #: What does not depend on the branches of contacts: stiffness of ties and of loads that turn;
     #: the same with that of contacts which turn.
     others: Tangent
@@ -187,12 +177,14 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _add_change(structure, factors, bordered, prescribes, contacts, chosen, before, following, new):
+def _add_change(
+    structure, factors, bordered, way, prescribes, contacts, chosen, before, following, new
+):
     """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
 
     Returns 1 + v . K^-1 u of it, which is zero where there is no direction.
     """
-    past, pivots, past_v, bodies = bordered.changes, bordered.pivot, bordered.row, bordered.bodies
+    past, pivots, past_v, bodies = way.changes, way.pivot, way.row, way.bodies
     n, n_dof = past.shape[1], past.shape[2]
     a = contacts.which[chosen, BODY_A]
     b = contacts.which[chosen, BODY_B]
@@ -213,8 +205,8 @@ def _add_change(structure, factors, bordered, prescribes, contacts, chosen, befo
         earlier = past[old].reshape(-1)
         for i in range(flat.shape[0]):
             flat[i] -= share * earlier[i]
-        by_w -= share * bordered.change_of_multiplier[old]
-    bordered.change_of_multiplier[new] = by_w
+        by_w -= share * way.change_of_multiplier[old]
+    way.change_of_multiplier[new] = by_w
     pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
     return pivots[new]
 
@@ -223,12 +215,10 @@ def _add_change(structure, factors, bordered, prescribes, contacts, chosen, befo
 def _first_direction(structure, factors, bordered, prescribes, force, lag, spring):
     """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
     columns = bordered.columns[:3] if prescribes else bordered.columns[:1]
-    for i in range(force.shape[0]):
-        for d in range(force.shape[1]):
-            columns[0, i, d] = force[i, d]
-            if prescribes:
-                columns[1, i, d] = bordered.load[i, d]
-                columns[2, i, d] = spring * bordered.axis[i, d]
+    columns[0] = force
+    if prescribes:
+        columns[1], columns[2] = bordered.load, bordered.axis
+        columns[2] *= spring
     solve(structure, factors, columns)
     return solve_bordered(bordered, columns[0], lag) if prescribes else 0.0
 
@@ -248,26 +238,12 @@ def _go(direction, length, x, rate, share, table, count):
 def walk(box, count, x, progress, rules):
     """Follow the path of a step from where it is, with as many factorisations as it takes.
 
-    Parameters
-    ----------
-    box
-        Of the contacts where the pieces are linear, `Located`, of `Pieces`, and of what borders
-        their matrix, `BorderedPath`.  Trial reactions and branches change as the path goes.
-    count
-        Of contacts.
-    x
-        (n, n_dof) increments, moved on.
-    progress
-        (N_PROGRESS,) see `MULTIPLIER`, moved on.
-    rules
-        See `Rules`.
-
-    Returns
-    -------
-    How the path has ended.  If it waits, the caller factorises the matrix, writes its pivot, and
-    calls again.
+    The ``box`` is of the ``count`` contacts where the pieces are linear, `Located`, of `Pieces`, of
+    what borders their matrix, and of the `Way`; ``x`` (n, n_dof) and ``progress``, see
+    `MULTIPLIER`, move on.  Returns how the path has ended; if it waits, the caller factorises the
+    matrix, writes its pivot, and calls again.
     """
-    located, pieces, bordered = box.value
+    located, pieces, bordered, way = box.value
     contacts, answer, forces = located.contacts, located.answer, located.forces
     end = RENEW
     while end == RENEW:
@@ -283,7 +259,9 @@ def walk(box, count, x, progress, rules):
         if not abs(progress[PIVOT]) > LEAST_PIVOT:
             return SINGULAR
         progress[PIVOT] = np.nan
-        end = _follow(pieces, contacts, count, answer.branch, bordered, forces, x, progress, rules)
+        end = _follow(
+            pieces, contacts, count, answer.branch, bordered, way, forces, x, progress, rules
+        )
     return end
 
 
@@ -303,9 +281,10 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
         add_geometric_stiffness(located.slots, contacts, count, answer.reaction, pieces.geometric)
         which, rows, table = contacts
         move_trial(which, rows, table, count, away)
-    respond_along(
-        contacts, count, pieces.pair_bodies, answer, pieces.geometric, away, forces.contact,
-        pieces.tangent,
+    respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
+    assemble(
+        contacts, count, pieces.pair_bodies, answer.reaction, answer.response, pieces.geometric,
+        away, forces.contact, pieces.tangent,
     )  # fmt: skip
     add(located.held, forces.contact)
     unbalance(forces, progress[MULTIPLIER], x, rules.inertia_factor)
@@ -316,21 +295,21 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _follow(pieces, contacts, count, branch, bordered, forces, x, progress, rules):
+def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress, rules):
     """Follow the path with the matrix that is factorised; returns how it has ended."""
     prescribes = rules.body >= 0
     structure, factors = pieces.structure, pieces.factors
-    whole = progress[WHOLE] != 0.0 or np.isfinite(bordered.fold[0])
+    whole = progress[WHOLE] != 0.0 or np.isfinite(way.fold[0])
     multiplier, left, changes = progress[MULTIPLIER], progress[LEFT], int(progress[CHANGES])
     lag = rules.lag - dot(bordered.gradient, pieces.away) if prescribes else 0.0
-    table, rate = contacts.table, bordered.rate
+    table, rate = contacts.table, way.rate
     direction = bordered.columns[0]
     by_direction = _first_direction(
         structure, factors, bordered, prescribes, forces.left, lag, progress[SPRING]
     )
     if not np.isfinite(by_direction):
         return SINGULAR
-    ahead, dry = bordered.sense[0], all_dry(table, count)
+    ahead, dry = way.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
     before = OPEN
     while True:
@@ -355,8 +334,8 @@ def _follow(pieces, contacts, count, branch, bordered, forces, x, progress, rule
             break
         last, before = chosen, branch[chosen]
         branch[chosen] = following
-        if changes < bordered.bends.shape[0]:
-            bordered.bends[changes, 0], bordered.bends[changes, 1] = 1.0 - left, multiplier
+        if changes < way.bends.shape[0]:
+            way.bends[changes, 0], way.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1
         new += 1
         if not whole:
@@ -364,35 +343,35 @@ def _follow(pieces, contacts, count, branch, bordered, forces, x, progress, rule
         if changes > rules.patience:
             end = LOST
             break
-        if new == bordered.changes.shape[0]:
+        if new == way.changes.shape[0]:
             end = RENEW
             break
         pivot = _add_change(
-            structure, factors, bordered, prescribes, contacts, chosen, before, following, new
+            structure, factors, bordered, way, prescribes, contacts, chosen, before, following, new
         )
         if pivot == 0.0 or not np.isfinite(pivot):
             end = SINGULAR
             break
         scale = 1.0 - ahead * length
-        by_direction = _bend(bordered, contacts, chosen, new, scale, direction, by_direction)
+        by_direction = _bend(way, contacts, chosen, new, scale, direction, by_direction)
         if pivot < 0.0:
             if not whole:
                 # What the structure snaps over is looked for on the path of the implicit law.
                 whole = True
-                bordered.fold[0], bordered.fold[1] = 1.0 - left, multiplier
+                way.fold[0], way.fold[1] = 1.0 - left, multiplier
             ahead = -ahead
-            bordered.sense[0] = ahead
+            way.sense[0] = ahead
     progress[MULTIPLIER], progress[LEFT], progress[CHANGES] = multiplier, left, changes
     return end
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _bend(bordered, contacts, chosen, new, scale, direction, by_direction):
+def _bend(way, contacts, chosen, new, scale, direction, by_direction):
     """Correct the direction for the latest change; see `_add_change`."""
-    which, w = contacts.which, bordered.changes[new]
+    which, w = contacts.which, way.changes[new]
     a, b = which[chosen, BODY_A], which[chosen, BODY_B]
-    share = scale * along(bordered.row, new, 0, direction, a, b) / bordered.pivot[new]
+    share = scale * along(way.row, new, 0, direction, a, b) / way.pivot[new]
     flat, by_change = direction.reshape(-1), w.reshape(-1)
     for i in range(flat.shape[0]):
         flat[i] = scale * flat[i] - share * by_change[i]
-    return scale * by_direction - share * bordered.change_of_multiplier[new]
+    return scale * by_direction - share * way.change_of_multiplier[new]

@@ -16,17 +16,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.contact.contacts import SLOT
-from drystone.statics.constants import TOO_STIFF, Accuracy
+from drystone.statics.equations import TOO_STIFF
 from drystone.statics.plane import path
 from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.static_step import StepSolution
 
-Array = NDArray[np.float64]
+#: Why a path ends at a fold: no equilibrium lies ahead.
+TURNS_BACK = "the path of equilibria turns back"
 
 _ENDS = {
-    path.FOLDED: "the path of equilibria turns back",
+    path.FOLDED: TURNS_BACK,
     path.LOST: "too many contacts change",
     path.SINGULAR: "a part of the structure is free to move",
 }
@@ -42,45 +44,31 @@ class PathSettings:
     changes: float = 2.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class Followed:
-    """Where a path has led; with a `reason` where that is no equilibrium."""
-
-    reason: str
-    count: int  # renewals of the gradients
-    folded: bool  # whether the path has a fold, so that no equilibrium lies ahead
-    #: First fold: share of the step, and multiplier there.
-    fold: tuple[float, float] | None
-    excess: tuple[float, float] | None  # see `StepSolution`
-    bend: tuple[float, float] | None
-
-
 # Long: one loop, in which each renewal of the gradients may end the step in its own way.
 def follow(
     step: PlaneStep,
     guess: Array,
     multiplier: float,
     reaction: Array,
-    accuracy: Accuracy,
     settings: PathSettings,
     *,
     whole: bool,
-) -> Followed:
+) -> StepSolution:
     """Follow the pieces with gradients at the ``guess`` (n, n_dof), renew these, and again.
 
     The step is left evaluated where it has led.  ``reaction`` (n_slots, 2) [N] is that where it
     starts; ``whole`` is to take the implicit law, whose sliding counts over the whole step, from
     there on.
     """
-    prescribed, x = step.prescribed, step.given
-    start, reason, count, end = multiplier, "", 0, path.DONE
+    prescribed, accuracy, x = step.prescribed, step.accuracy, step.given
+    start, reason, count = multiplier, "", 0
     follows = prescribed is not None or bool(step.given.any())
     begun = step.branch[: step.n].copy()
     step.evaluate(guess, multiplier)
     step.branch[: step.n] = begun
     step.reaction[: step.n, :2] = reaction[step.which[: step.n, SLOT]]
-    step.bordered.fold[:] = np.nan
-    shape = _Shape()
+    step.way.fold[:] = np.nan
+    excess = bend = 0.0, 0.0
     for count in range(1, settings.renewals + 1):
         x = x.copy()
         end, multiplier, changes = step.walk(
@@ -92,58 +80,50 @@ def follow(
             reason = _ENDS[end]
             break
         step.remember()
-        moved = step.constants.detector.farthest(x)
+        moved = step.detector.farthest(x)
         if not moved <= accuracy.farthest:  # or not a number
             reason = "a block moves too far in one step"
             break
         step.evaluate(x, multiplier)
         if count == 1 and prescribed:
             sense = -1.0 if prescribed.increment < 0.0 else 1.0
-            shape = _shape(step.bends(changes), start, multiplier, sense)
-        enough = step.enough(accuracy, moved)
+            excess, bend = _shape(step.bends(changes), start, multiplier, sense)
+        enough = step.enough(moved)
         if enough > max(accuracy.coarsest, accuracy.tolerance):
             reason = TOO_STIFF
             break
         if step.residual > enough or abs(step.missing) > accuracy.lag:
             continue
-        if not step.update_contacts(accuracy):
+        if not step.update_contacts():
             break
         step.evaluate(x, multiplier)
     else:
         reason = f"no equilibrium within {settings.renewals} iterations"
-    share, there = step.bordered.fold.tolist()
-    return Followed(
-        reason=reason,
-        count=count,
-        folded=end == path.FOLDED,
+    share, there = step.way.fold.tolist()
+    return StepSolution(
+        increment=step.x.copy(),
+        multiplier=step.multiplier,
+        n_iterations=count,
         fold=(share, there) if np.isfinite(share) else None,
-        excess=shape.excess if not reason else None,
-        bend=shape.bend if not reason else None,
+        excess=excess if not reason else None,
+        bend=bend if not reason else None,
+        reason=reason,
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Shape:
-    """See `StepSolution`."""
-
-    excess: tuple[float, float] = (0.0, 0.0)
-    bend: tuple[float, float] = (0.0, 0.0)
-
-
-def _shape(bends: Array, start: float, end: float, sense: float) -> _Shape:
+def _shape(
+    bends: Array, start: float, end: float, sense: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
     """Excess and bend of a path from the multipliers at its changes, (n, 2).
 
     ``sense`` is that of the increment, 1 or -1: the excess is of multipliers in that sense.
     """
     if len(bends) == 0:
-        return _Shape()
+        return (0.0, 0.0), (0.0, 0.0)
     share, multiplier = bends.T.tolist()  # Python's numbers: there are few
     if sense < 0.0:
         start, end, multiplier = -start, -end, [-m for m in multiplier]
     top = max(range(len(share)), key=multiplier.__getitem__)
     off = [abs(m - start - t * (end - start)) for t, m in zip(share, multiplier, strict=True)]
     far = max(range(len(share)), key=off.__getitem__)
-    return _Shape(
-        excess=(multiplier[top] - max(start, end), share[top]),
-        bend=(off[far], share[far]),
-    )
+    return (multiplier[top] - max(start, end), share[top]), (off[far], share[far])

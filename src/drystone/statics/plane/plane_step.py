@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.boxed import boxed
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
@@ -13,14 +13,10 @@ from drystone.contact.plane import narrow
 from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.law import plane as plane_law
 from drystone.law.branches import OPEN
-from drystone.statics.constants import Accuracy, Constants
-from drystone.statics.linear.tangent import Tangent
+from drystone.statics.equations import Loaded
+from drystone.statics.linear.symbolic import Tangent
 from drystone.statics.plane import contacts, path
-from drystone.statics.static_step import Bordered, StaticStep
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from drystone.statics.static_step import StaticStep
 
 #: Changes of contacts that are followed with one factorisation.
 CHANGES_PER_MATRIX = 32
@@ -41,8 +37,8 @@ class PlaneStep(StaticStep):
     between them, do not strain their stiff shear springs.
     """
 
-    def __init__(self, constants: Constants, pairs: Pairs) -> None:
-        super().__init__(constants, pairs)
+    def __init__(self, loaded: Loaded, pairs: Pairs) -> None:
+        super().__init__(loaded, pairs)
         n, n_dof = self.loads.mass.shape
         self.lines = np.zeros((pairs.n_slots, 2, 2 * n_dof))
         #: Contacts that were there when the step began, (n_slots,), and those shut then.
@@ -64,7 +60,7 @@ class PlaneStep(StaticStep):
             damping=self.damping,
             away=np.zeros((n, n_dof)),
         )
-        places = constants.detector.narrow
+        places = self.detector.narrow
         assert isinstance(places, PlaneNarrowPhase)
         self.begins = contacts.Beginning(
             bodies=places.bodies,
@@ -87,28 +83,22 @@ class PlaneStep(StaticStep):
             held=self.held,
             forces=self.forces,
         )
-        self.box = boxed((located, self.pieces, self.bordered))
-        #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
-        self.kept = np.zeros(pairs.n_pairs, np.int64)
-
-    def _bordered(self, bordered: Bordered) -> path.BorderedPath:
-        n_slots = self.pairs.n_slots
-        n, n_dof = bordered.load.shape
-        return path.BorderedPath(
-            **bordered._asdict(),
+        self.way = path.Way(
             changes=np.zeros((CHANGES_PER_MATRIX, n, n_dof)),
             change_of_multiplier=np.zeros(CHANGES_PER_MATRIX),
             row=np.zeros((CHANGES_PER_MATRIX, 1, 2 * n_dof)),
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
-            rate=np.zeros((n_slots, 2)),
+            rate=np.zeros((pairs.n_slots, 2)),
             fold=np.full(2, np.nan),
             sense=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
+        self.box = boxed((located, self.pieces, self.bordered, self.way))
+        #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
+        self.kept = np.zeros(pairs.n_pairs, np.int64)
 
     def again(self) -> None:
-        """See `StaticStep.again`."""
         self.kept[:] = self.before
         super().again()
 
@@ -131,7 +121,7 @@ class PlaneStep(StaticStep):
         self.x += length * step
 
     def _from_design(self) -> float:
-        return self.constants.detector.farthest(self.pose)
+        return self.detector.farthest(self.pose)
 
     def _locate_all(self) -> None:
         contacts.locate_all(self.box, self.n)
@@ -151,11 +141,10 @@ class PlaneStep(StaticStep):
             self.nowhere, self.unused, self.tangent,
         )  # fmt: skip
 
-    def _rates(self, direction: Array) -> None:
+    def rates(self, direction: Array) -> None:
         contacts.rates(self.contacts, self.n, direction, self.by_motion)
 
     def gaps(self) -> Array:
-        """See `StaticStep.gaps`."""
         return np.asarray(self.slots.gap[self.which[: self.n, SLOT]])
 
     def _age(self, history: Array) -> None:
@@ -167,9 +156,9 @@ class PlaneStep(StaticStep):
         """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
         self.x[:], self.multiplier = x, multiplier
         self._act()
-        if self.loads.ties:
+        if self.ties:
             self.held[:] = 0.0
-            self.loads.ties.add_to(self.held)
+            self.ties.add_to(self.held)
         self.residual = contacts.evaluate(self.box, self.n, self.multiplier, self.inertia_factor)
 
     def walk(
@@ -180,7 +169,7 @@ class PlaneStep(StaticStep):
 
         Returns how it has ended, the multiplier, and the number of changes.
         """
-        ties, acting, others = self.loads.ties, self.loads.acting, self.pieces.others
+        ties, acting, others = self.ties, self.acting, self.pieces.others
         if acting or ties:
             for blocks in others:
                 blocks[:] = 0.0
@@ -195,7 +184,7 @@ class PlaneStep(StaticStep):
             patience=patience,
             waits=bool(self.lu.parts),
         )
-        self.bordered.sense[0] = 1.0
+        self.way.sense[0] = 1.0
         progress = np.array([multiplier, 1.0, 0.0, float(whole), 0.0, np.nan])
         end = path.WAITS
         while end == path.WAITS:
@@ -208,7 +197,7 @@ class PlaneStep(StaticStep):
 
     def bends(self, changes: int) -> Array:
         """Share of the step and multiplier at the changes of the path followed last, (n, 2)."""
-        bends: Array = self.bordered.bends[: min(changes, BENDS)]
+        bends: Array = self.way.bends[: min(changes, BENDS)]
         return bends
 
     def remember(self) -> None:
@@ -217,7 +206,7 @@ class PlaneStep(StaticStep):
 
     # The features of contacts.
 
-    def update_contacts(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self) -> bool:
         """Update the features by which contacts press where the step is; whether any has changed.
 
         Two sets of features may lead to each other: two corners that hardly pass each other have
@@ -226,12 +215,12 @@ class PlaneStep(StaticStep):
         move blocks to and fro that would otherwise come to rest.
         """
         self._find()
-        if not narrow.changed_contacts(self.slots, self.found, accuracy.depth):
+        if not narrow.changed_contacts(self.slots, self.found, self.accuracy.depth):
             self.kept[:] = 0
             return False
         of_slot, was, now = self.pairs.of_slot, self.slots, self.found
         others = (was.which[:, :EDGE_A] != now.which[:, :EDGE_A]).any(axis=1)
-        others &= np.minimum(was.gap, now.gap) <= -accuracy.depth
+        others &= np.minimum(was.gap, now.gap) <= -self.accuracy.depth
         change = np.zeros(len(self.kept), np.bool_)
         change[of_slot[others]] = True
         keep = change & (self.changes >= 2)
@@ -254,7 +243,7 @@ class PlaneStep(StaticStep):
         past = Histories.own(
             self.known, self.history_before, self.by_slot(self.reaction)[:, :2], branch
         )
-        heirs = handed_on(self.constants.detector.narrow, past, self.pairs, slots)
+        heirs = handed_on(self.detector.narrow, past, self.pairs, slots)
         self.history_before[:] = heirs.history
         size = np.where(self.there, self.known.size, 0.0)
         self.lines[:], self.closed[:] = heirs.of(self.lines), heirs.of(self.closed)

@@ -18,12 +18,7 @@ Kernels take a range of pairs: parts of a structure may be worked on at the same
 each body gets is summed afterwards in the order of its pairs, however many did the work.
 """
 
-from __future__ import annotations
-
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
@@ -43,13 +38,7 @@ from drystone.contact.contacts import (
     VERTEX_B,
 )
 from drystone.geometry.rotation import place_axes, spin
-from drystone.law.columns import (
-    DILATION,
-    SHEAR,
-)
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drystone.law.columns import DILATION, SHEAR
 
 #: Columns of a contact's place where the step starts: the point from v's centroid and from f's, the
 #: axes Q by columns, gap less dilation, radius, and +1 where v is b, -1 where it is a.
@@ -67,21 +56,10 @@ ON_B, ON_A = 36, 57
 N_TOTAL = 78
 
 
-class Places(NamedTuple):
-    """Contacts in use, in the order of their pairs; the first ``count`` rows."""
-
-    which: IntArray  # (n_slots, 4) slot, pair, bodies
-    start: Array  # (n_slots, N_PLACE)
-    table: Array  # (n_slots, N_TABLE), see `contact.contacts`
-    shear: Array  # (n_slots, 2) N, at the start of the step
-    first: IntArray  # (n_pairs + 1,) first contact of each pair
-
-
 @njit(cache=True)
-def pack_places(slots, history, count, places):
+def pack_places(slots, history, count, which, start, shear):
     """Fill where contacts in use are, from the slots found where the step starts."""
     meets, value = slots
-    which, start = places.which, places.start
     for c in range(count):
         k = which[c, SLOT]
         on_b = meets[k, KIND] == VERTEX_B
@@ -99,26 +77,14 @@ def pack_places(slots, history, count, places):
             start[c, FROM_F + i] = value[k, of_f + i] + ball * side * n
         start[c, GAP_0] = value[k, GAP] - history[k, DILATION]
         start[c, BALL], start[c, SIDE] = ball, side
-        places.shear[c, 0], places.shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
+        shear[c, 0], shear[c, 1] = history[k, SHEAR], history[k, SHEAR + 1]
 
 
 @njit(cache=True)
 def rotate_on(step, length, axes_0, motion, rotation, axes):
-    """Move bodies on by ``length`` times increments, from where they are in a step.
-
-    Parameters
-    ----------
-    step
-        (n, 6) increments [m, rad], rotations about the principal axes as they are now.
-    length
-        Of it.
-    axes_0
-        (n, 3, 3) principal axes where the step starts, in columns.
-    motion
-        Poses (n, 7) as seen from the start of the step, changed in place.
-    rotation, axes
-        (n, 3, 3) filled with the rotation less identity, and the principal axes.
-    """
+    """Move poses ``motion`` (n, 7), as seen from the start of the step, on by ``length`` times
+    increments (n, 6) about the principal axes, in columns, ``axes_0`` there; fill the ``rotation``
+    less identity and the ``axes``, (n, 3, 3)."""
     for i in range(step.shape[0]):
         vx, vy, vz = 0.0, 0.0, 0.0
         for k in range(3):
@@ -315,38 +281,26 @@ def _add_material(now, table, response, c, side, total):
     a00, a01, a02 = response[c, 0, 0] * kn, response[c, 0, 1] * ks, response[c, 0, 2] * ks
     a10, a11, a12 = response[c, 1, 0] * kn, response[c, 1, 1] * ks, response[c, 1, 2] * ks
     a20, a21, a22 = response[c, 2, 0] * kn, response[c, 2, 1] * ks, response[c, 2, 2] * ks
-    n0, n1, n2 = (
-        a00 * q00 + a01 * q01 + a02 * q02,
-        a00 * q10 + a01 * q11 + a02 * q12,
-        a00 * q20 + a01 * q21 + a02 * q22,
-    )
-    s0, s1, s2 = (
-        a10 * q00 + a11 * q01 + a12 * q02,
-        a10 * q10 + a11 * q11 + a12 * q12,
-        a10 * q20 + a11 * q21 + a12 * q22,
-    )
-    t0, t1, t2 = (
-        a20 * q00 + a21 * q01 + a22 * q02,
-        a20 * q10 + a21 * q11 + a22 * q12,
-        a20 * q20 + a21 * q21 + a22 * q22,
-    )
-    b0, b1, b2 = (
-        q00 * n0 + q01 * s0 + q02 * t0,
-        q00 * n1 + q01 * s1 + q02 * t1,
-        q00 * n2 + q01 * s2 + q02 * t2,
-    )
+    n0 = a00 * q00 + a01 * q01 + a02 * q02
+    n1 = a00 * q10 + a01 * q11 + a02 * q12
+    n2 = a00 * q20 + a01 * q21 + a02 * q22
+    s0 = a10 * q00 + a11 * q01 + a12 * q02
+    s1 = a10 * q10 + a11 * q11 + a12 * q12
+    s2 = a10 * q20 + a11 * q21 + a12 * q22
+    t0 = a20 * q00 + a21 * q01 + a22 * q02
+    t1 = a20 * q10 + a21 * q11 + a22 * q12
+    t2 = a20 * q20 + a21 * q21 + a22 * q22
+    b0 = q00 * n0 + q01 * s0 + q02 * t0
+    b1 = q00 * n1 + q01 * s1 + q02 * t1
+    b2 = q00 * n2 + q01 * s2 + q02 * t2
     _add_row(total, 0, b0, b1, b2, r0, r1, r2, 24, r2, 30, r1)
-    b0, b1, b2 = (
-        q10 * n0 + q11 * s0 + q12 * t0,
-        q10 * n1 + q11 * s1 + q12 * t1,
-        q10 * n2 + q11 * s2 + q12 * t2,
-    )
+    b0 = q10 * n0 + q11 * s0 + q12 * t0
+    b1 = q10 * n1 + q11 * s1 + q12 * t1
+    b2 = q10 * n2 + q11 * s2 + q12 * t2
     _add_row(total, 6, b0, b1, b2, r0, r1, r2, 30, r0, 18, r2)
-    b0, b1, b2 = (
-        q20 * n0 + q21 * s0 + q22 * t0,
-        q20 * n1 + q21 * s1 + q22 * t1,
-        q20 * n2 + q21 * s2 + q22 * t2,
-    )
+    b0 = q20 * n0 + q21 * s0 + q22 * t0
+    b1 = q20 * n1 + q21 * s1 + q22 * t1
+    b2 = q20 * n2 + q21 * s2 + q22 * t2
     _add_row(total, 12, b0, b1, b2, r0, r1, r2, 18, r1, 24, r0)
 
 
@@ -450,20 +404,8 @@ def stiffness(
 
     T = [[1, -[d]], [0, 1]] with d from b's centroid to a's.  The geometric part takes the sums of
     F, F v^T and r n F^T, of contacts with v = b and with v = a.
-
-    Parameters
-    ----------
-    reaction
-        (n, 3) [N] of which the geometric part is that.
-    response
-        (n, 3, 3) derivatives of the reactions by the trial reactions.
-    axes
-        (n, 3, 3) principal axes of the bodies.
-    diagonal
-        (n_pairs, 2, 6, 6) filled: what each pair adds to the diagonal blocks of its bodies, in
-        axes of the world.
-    upper, lower
-        (n_pairs, 6, 6) filled: rows of a and columns of b, and the other way round.
+    Filled: ``diagonal`` (n_pairs, 2, 6, 6), what each pair adds to the blocks of its bodies in axes
+    of the world; ``upper`` and ``lower``, see `Tangent`.
     """
     total, way = np.zeros(N_TOTAL), np.zeros(3)
     for p in range(low, high):

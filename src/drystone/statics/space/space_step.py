@@ -2,40 +2,28 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import INTACT, NONE, PAIR, SLOT, Pairs, Slots
 from drystone.geometry.rotation import all_axes, difference
 from drystone.law import space as space_law
 from drystone.law.branches import OPEN
 from drystone.law.columns import BROKEN, DILATION, KN
-from drystone.statics.constants import Accuracy, Constants
+from drystone.statics.equations import Loaded
 from drystone.statics.space import contacts
-from drystone.statics.space.contacts import Places, Y
 from drystone.statics.static_step import StaticStep
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class SpaceStep(StaticStep):
     """See `StaticStep`."""
 
-    def __init__(self, constants: Constants, pairs: Pairs) -> None:
-        super().__init__(constants, pairs)
+    def __init__(self, loaded: Loaded, pairs: Pairs) -> None:
+        super().__init__(loaded, pairs)
         n, n_pairs, n_slots = len(self.loads.mass), pairs.n_pairs, pairs.n_slots
-        self.places = Places(
-            which=self.which,
-            start=np.zeros((n_slots, contacts.N_PLACE)),
-            table=self.table,
-            shear=np.zeros((n_slots, 2)),
-            first=self.first,
-        )
+        self.start, self.shear = np.zeros((n_slots, contacts.N_PLACE)), np.zeros((n_slots, 2))
         self.now = np.zeros((n_slots, contacts.N_NOW))
-        assembly = constants.detector.assembly
+        assembly = self.detector.assembly
         self.motion, self.none = assembly.design_pose(), assembly.design_pose()
         self.rotation, self.axes_0, self.axes = (np.zeros((n, 3, 3)) for _ in range(3))
         self.twist = np.zeros((n, 6))
@@ -44,7 +32,7 @@ class SpaceStep(StaticStep):
         self.begin_of, self.of_body = _pairs_of_bodies(pairs, n)
 
     def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
-        all_axes(self.pose, self.constants.detector.assembly.axes, self.rotation, self.axes_0)
+        all_axes(self.pose, self.detector.assembly.axes, self.rotation, self.axes_0)
         self._begin_again(slots, branch)
 
     def _begin_again(self, slots: Slots, branch: IntArray) -> None:
@@ -53,19 +41,21 @@ class SpaceStep(StaticStep):
             mine[:] = theirs
         self.found_at = None
         self._pack(branch != OPEN, branch)
-        contacts.pack_places(self.known, self.history_before, self.n, self.places)
+        contacts.pack_places(
+            self.known, self.history_before, self.n, self.which, self.start, self.shear
+        )
 
-    def update_contacts(self, accuracy: Accuracy) -> bool:
+    def update_contacts(self) -> bool:
         """Update the contacts of pairs that press each other at features that were not followed.
 
         Blocks that come together within a step may touch with other features than those followed
         from afar, and overlap there without a force.  The step then begins again, with the contacts
         that such pairs have where the blocks are now.  Returns whether there are any with an
-        overlap worth more than ``accuracy.pressed`` [N].
+        overlap worth more than `Accuracy.pressed`.
         """
-        detector, pairs, n = self.constants.detector, self.pairs, self.n
+        pairs, n = self.pairs, self.n
         self._find()
-        stiffness = self.constants.laws[pairs.law_of_slot, KN] * self.found.size
+        stiffness = self.loaded.prepared.laws[pairs.law_of_slot, KN] * self.found.size
         closed = -self.found.gap
         if len(self.current):
             closed = closed - self._crushed()[pairs.of_slot]
@@ -76,7 +66,7 @@ class SpaceStep(StaticStep):
         carried = np.bincount(self.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
         # A pair with intact bonds was in contact before.
         intact = np.bincount(self.which[:n, PAIR], self.table[:n, INTACT], pairs.n_pairs)
-        anew = ((pressed > accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
+        anew = ((pressed > self.accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
         history, branch = self.history_before.copy(), self.by_slot(self.branch)
@@ -86,7 +76,7 @@ class SpaceStep(StaticStep):
         )
         history[anew], branch[anew] = 0.0, OPEN
         history[anew, BROKEN] = 1.0
-        detector.follow(pairs, self.pose, self.known, self.slots)
+        self.detector.follow(pairs, self.pose, self.known, self.slots)
         self.origin[anew] = -1
         if len(self.current):
             self.current[anew] = self.fresh[anew]
@@ -110,34 +100,47 @@ class SpaceStep(StaticStep):
         difference(self.motion, self.none, self.axes_0, self.x)
 
     def _locate_all(self) -> None:
-        self._by_pairs(self._locate)
+        self._by_pairs(
+            lambda low, high: contacts.locate(
+                self.which, self.start, self.table, self.shear, self.first, low, high,
+                self.motion, self.rotation, self.now, self.trial,
+            )
+        )  # fmt: skip
 
     def _sum_forces(self, reaction: Array) -> None:
-        self._by_pairs(partial(self._wrenches, reaction))
+        at = self.which, self.start, self.now, self.first
+        self._by_pairs(lambda low, high: contacts.wrenches(*at, low, high, reaction, self.wrench))
         contacts.sum_wrenches(
             self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
         )
 
     def _stiffen(self, reaction: Array) -> None:
-        self._by_pairs(partial(self._stiffness, reaction), self.cuts)
+        self._by_pairs(
+            lambda low, high: contacts.stiffness(
+                self.which, self.start, self.now, self.table, self.first, low, high, reaction,
+                self.response, self.axes, self.of_pairs, self.tangent.upper, self.tangent.lower,
+            ),
+            self.cuts,
+        )  # fmt: skip
         contacts.sum_diagonals(
             self.begin_of, self.of_body, self.of_pairs, self.axes, self.tangent.diagonal
         )
 
-    def _rates(self, direction: Array) -> None:
+    def rates(self, direction: Array) -> None:
         contacts.twists(direction, self.axes, self.twist)
-        self._by_pairs(self._relative)
+        at = self.which, self.start, self.now, self.first
+        self._by_pairs(
+            lambda low, high: contacts.relative(*at, low, high, self.twist, self.by_motion)
+        )
 
     def finish(self) -> Array:
-        """See `StaticStep.finish`."""
         history = super().finish()
-        self.constants.detector.follow(self.pairs, self._pose_now(), self.known, self.slots)
+        self.detector.follow(self.pairs, self._pose_now(), self.known, self.slots)
         return history
 
     def gaps(self) -> Array:
-        """See `StaticStep.gaps`."""
         n = self.n
-        gap: Array = self.places.start[:n, contacts.GAP_0] + self.now[:n, Y]
+        gap: Array = self.start[:n, contacts.GAP_0] + self.now[:n, contacts.Y]
         dilation: Array = self.history_before[self.which[:n, SLOT], DILATION]
         return gap + dilation
 
@@ -146,34 +149,11 @@ class SpaceStep(StaticStep):
             self.which, self.table, self.trial, self.reaction, self.branch, self.n, history
         )
 
-    def _locate(self, low: int, high: int) -> None:
-        which, start, table, shear, first = self.places
-        contacts.locate(
-            which, start, table, shear, first, low, high, self.motion, self.rotation, self.now,
-            self.trial,
-        )  # fmt: skip
-
     def _respond(self, low: int, high: int) -> None:
-        table, first = self.places.table, self.places.first
+        first, last = self.first[low], self.first[high]
         space_law.respond(
-            table, self.trial, first[low], first[high], self.branch, self.reaction,
-            self.response,
-        )  # fmt: skip
-
-    def _wrenches(self, reaction: Array, low: int, high: int) -> None:
-        which, start, _, _, first = self.places
-        contacts.wrenches(which, start, self.now, first, low, high, reaction, self.wrench)
-
-    def _relative(self, low: int, high: int) -> None:
-        which, start, _, _, first = self.places
-        contacts.relative(which, start, self.now, first, low, high, self.twist, self.by_motion)
-
-    def _stiffness(self, reaction: Array, low: int, high: int) -> None:
-        which, start, table, _, first = self.places
-        contacts.stiffness(
-            which, start, self.now, table, first, low, high, reaction, self.response, self.axes,
-            self.of_pairs, self.tangent.upper, self.tangent.lower,
-        )  # fmt: skip
+            self.table, self.trial, first, last, self.branch, self.reaction, self.response
+        )
 
 
 def _pairs_of_bodies(pairs: Pairs, n: int) -> tuple[IntArray, IntArray]:
