@@ -181,8 +181,8 @@ def compared(
         chosen = [
             _near(points, x)[0] for x, one in zip(far, result.after, strict=True) if one > AGREED
         ]
-    chosen = [chosen[k] for k in sorted({float(p[0]): k for k, p in enumerate(chosen)}.values())]
-    return replace(result, both=tuple(two_at_rest(ours, by, *point) for point in chosen))
+    both = [two_at_rest(ours, by, *point) for point in dict.fromkeys(map(tuple, chosen))]
+    return replace(result, both=tuple(both))
 
 
 def two_at_rest(
@@ -194,8 +194,7 @@ def two_at_rest(
     """
     problem = kept.kept[0].prepared.problem
     size = problem.assembly.smallest_extent
-    there = np.array([problem.length * kept.displacement(state) for state in kept.kept])
-    state = kept.kept[int(np.argmin(np.abs(there - place)))]
+    state = kept.nearest(place)
     two = TwoAtRest(
         displacement=place, ours=_multiplier_at(ours, place), theirs=theirs, residual=residual
     )

@@ -38,6 +38,11 @@ class KeptStates:
         begin = control.displacement(assembly, self.kept[0].pose)
         return control.displacement(assembly, state.pose) - begin
 
+    def nearest(self, place: float):
+        """The state whose control displacement is nearest to a place [m]."""
+        length = self.kept[0].prepared.problem.length
+        return min(self.kept, key=lambda s: abs(length * self.displacement(s) - place))
+
 
 class KeptDistinct(KeptStates, DistinctEngine):
     """See `KeptStates`."""

@@ -179,11 +179,11 @@ def test_where_nscd_slides_on_both_engines_rest(kind, seed, place):
         replace(model, control_point=ours.control_point), engine=kept, max_displacement=1.1 * place
     )
     problem, peak = kept.kept[0].prepared.problem, ours.peak.load_multiplier
-    there = np.array([problem.length * kept.displacement(state) for state in kept.kept])
-    at = int(np.argmin(np.abs(there - place)))
-    multiplier = curve.points[curve.nearest(there[at])].load_multiplier
+    state = kept.nearest(place)
+    at = problem.length * kept.displacement(state)
+    multiplier = curve.points[curve.nearest(at)].load_multiplier
     size = problem.assembly.smallest_extent
-    rest = rest_near(kept, kept.kept[at], multiplier, 5e-5 * size, 0.01 * peak)
+    rest = rest_near(kept, state, multiplier, 5e-5 * size, 0.01 * peak)
     assert rest is not None
     assert rest.multiplier == pytest.approx(multiplier, abs=0.01 * peak)
     assert rest.motion <= 1e-3 * problem.length * size

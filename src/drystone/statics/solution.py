@@ -227,7 +227,8 @@ def solve(
     if follows and prescribed is not None and not math.isfinite(slope):
         step.restart(np.zeros_like(step.x), multiplier)
         step.respond()
-        known, solver.iterations = step.slope(), 1
+        known = step.slope()
+        solver.iterations = 1  # a factorisation counts as one
         slope = math.nan if known is None else known
     guess = _nearest(step, guesses, multiplier)
     found = solver.find(

@@ -26,7 +26,8 @@ from drystone.statics.linear.symbolic import Tangent
 
 
 class TieForces:
-    """Ties of a structure from the state where a step begins, but those of ``departed`` bodies."""
+    """Ties of a structure from the state where a step begins, without those of bodies that have
+    ``departed`` (n,)."""
 
     def __init__(self, bars: Bars, assembly: Assembly, departed: BoolArray) -> None:
         self.bars, self.assembly = bars, assembly

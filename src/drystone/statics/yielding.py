@@ -77,10 +77,8 @@ def solve(
     end.  With ``may_snap`` joints may fail within it, so that it ends at an equilibrium far away.
     """
     law, history, prepared = step.pairs.law_of_slot, start.history, step.loaded.prepared
-    strengths, tolerance = (
-        prepared.strengths,
-        tolerances.STRENGTHS_FIXED * prepared.assembly.heaviest_weight,
-    )
+    strengths = prepared.strengths
+    tolerance = tolerances.STRENGTHS_FIXED * prepared.assembly.heaviest_weight
     now = strengths.first(history, start.gap)
     current, iterations = strengths.current(law, history, now), 0
     fresh = strengths.fresh[law]
@@ -192,10 +190,7 @@ def _stood(
 
 
 def _converge(
-    step: StaticStep,
-    come: _Come,
-    enough: float,
-    stability: StabilitySettings,
+    step: StaticStep, come: _Come, enough: float, stability: StabilitySettings
 ) -> _Converged | None:
     """Iterate Newton's method, with the strengths that the joints have where it is, from where
     contacts have come to; None where that leads to no stable equilibrium.  ``enough`` is the force

@@ -15,7 +15,12 @@ class SingularMatrixError(ArithmeticError):
 
 
 class BlockSystem:
-    """Solves for the velocities of the blocks in contact along one list of pairs; see `analyse`."""
+    """Solves for the velocities of the blocks in contact along one list of pairs.
+
+    ``a`` and ``b`` (n_pairs,) are the bodies of each pair, ``mass`` (n, n_dof) [kg, kg m2] is zero
+    on ``fixed`` bodies (n,); ``place`` (n, dim) [m], about where the bodies are, is for the order
+    of elimination.
+    """
 
     def __init__(
         self, a: IntArray, b: IntArray, mass: Array, fixed: BoolArray, place: Array

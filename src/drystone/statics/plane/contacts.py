@@ -195,7 +195,8 @@ def move_trial(which, rows, table, count, motion):
 
 @njit(cache=True, error_model="numpy")
 def geometric_stiffness(slots, contacts, count, reaction, tangent):
-    """Fill ``tangent`` with what contacts that turn, at held reactions, add to it."""
+    """Fill ``tangent``, that of minus the forces, with what contacts add that turn with their
+    bodies, at ``reaction`` (n_slots, 2 or more) [N] that stay; ``slots`` are where they are now."""
     tangent.diagonal[:, :, :] = 0.0
     tangent.upper[:, :, :] = 0.0
     tangent.lower[:, :, :] = 0.0
