@@ -15,18 +15,16 @@ from typing import Any
 
 import harness  # first: it holds the libraries' threads to one
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 import drystone as ds
+from drystone.common.arrays import Array, BoolArray
 from drystone.model.assembly import Assembly
 from drystone.results.curve import DYNAMIC, CapacityCurve
 from drystone.statics.equilibrium import EquilibriumEngine
 from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane.plane_step import PlaneStep
-
-Array = NDArray[np.float64]
 
 #: Normal stiffnesses whose peaks are set against limit analysis [Pa/m].
 STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 1e11)
@@ -62,7 +60,7 @@ class Figures:
         return self.seconds / (self.points * self.superlu), self.seconds / (self.points * self.own)
 
 
-def static(curve: CapacityCurve) -> NDArray[np.bool_]:
+def static(curve: CapacityCurve) -> BoolArray:
     return np.array([p.status != DYNAMIC for p in curve.points])
 
 

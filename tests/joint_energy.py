@@ -34,17 +34,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import drystone as ds
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import NONE
 from drystone.engines.base import Demand
 from drystone.law.columns import DILATION, KN, KS, OPENED, SHEAR, SLID
 from drystone.results.curve import CapacityCurve
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

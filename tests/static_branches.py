@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.results.curve import STATIC, CapacityCurve
-
-Array = NDArray[np.float64]
 
 
 def static_branch(curve: CapacityCurve) -> Array:

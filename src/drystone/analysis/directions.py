@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.progress import counted
 from drystone.common.threads import available
 from drystone.common.workers import in_processes
 from drystone.engines.base import EngineError
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve
-
-Array = NDArray[np.float64]
 
 #: Most directions: every degree.
 MOST = 360

@@ -10,11 +10,11 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from drystone.analysis.plausible import Plausibility
 from drystone.analysis.sitting import SITTING, Sitting
+from drystone.common.arrays import Array
 from drystone.common.codec import packed, unpacked
 from drystone.common.compilation import Compilation
 from drystone.common.language import say
@@ -75,7 +75,6 @@ from drystone.results.curve import (
 from drystone.results.event_log import EventLog
 from drystone.results.events import falls_with, named
 
-Array = NDArray[np.float64]
 #: Settings of some strategy.
 Settings = TypeVar(
     "Settings",

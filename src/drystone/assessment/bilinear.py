@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.common.arrays import Array
 from drystone.common.language import say
-
-Array = NDArray[np.float64]
 
 #: Rules by name: what is level, where the first branch lies, where it ends unless that is given.
 RULES: dict[str, str] = {

@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.common.arrays import Array
 from drystone.common.language import Saying, say
 from drystone.model.assembly import GRAVITY
-
-Array = NDArray[np.float64]
 
 #: How multiplier and control displacement become acceleration and displacement of the oscillator.
 READINGS: dict[str, Saying] = {

@@ -6,15 +6,14 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError
+from drystone.common.arrays import Array
 from drystone.common.ranges import RANGES, problem, too_many
 from drystone.model.assembly import GRAVITY
 from drystone.model.construction.contents import Held, read_bytes
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 #: Accelerations of a file in m/s2 by the unit that is said.
 UNITS = {"g": GRAVITY, "m/s2": 1.0}

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
-
-Array = NDArray[np.float64]
 
 #: A length that differs from one by less is one: directions stay as they were computed.
 ONE = 1e-9

@@ -7,12 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.forces import OPEN, SLIDING, ContactForces
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Distance of points over the extent of their contact under which they are one, and under which
 #: they lie on a line.

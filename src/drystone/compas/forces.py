@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
 from drystone.compas.blocks import name_of
 from drystone.model.assembly import Block
 from drystone.model.loading.targets import CENTRE
-
-Array = NDArray[np.float64]
 
 #: The one time series that a static analysis knows.
 RAMP = "ramp"

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import drystone
+from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
 from drystone.compas.contacts import edges_of, put_edge
 from drystone.geometry import motion
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve
-
-Array = NDArray[np.float64]
 
 MISSING = "COMPAS needs compas_dem, which is not installed: pip install drystone[compas]"
 

@@ -10,12 +10,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import tangents
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: What meets in a slot: nothing, a vertex of b and an edge of a, the reverse, two vertices.
 NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3

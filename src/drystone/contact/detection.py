@@ -10,8 +10,8 @@ from functools import reduce
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import MARGIN_SHARE
 from drystone.contact.contacts import A, B, Contacts, Pairs, Slots
 from drystone.contact.forces import ContactForces
@@ -20,10 +20,6 @@ from drystone.geometry.broad import candidate_pairs
 from drystone.geometry.motion import bound
 from drystone.geometry.rotation import farthest
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 class NarrowPhase(Protocol):

@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import Pairs, Slots
 from drystone.geometry.motion import tangents, tangents_kept
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 OPEN, STICKING, SLIDING = 0, 1, 2
 

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.contact import measures
 from drystone.contact.contacts import FIRST, PART_A, PART_B, Pairs, Slots
@@ -14,8 +15,6 @@ from drystone.contact.detection import NarrowPhase
 from drystone.law.branches import OPEN
 from drystone.law.columns import BROKEN, DILATION, SHEAR
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Number = TypeVar("Number", np.float64, np.int64, np.bool_)
 
 

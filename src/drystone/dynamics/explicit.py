@@ -22,8 +22,8 @@ from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, KIND, LAW, NONE, SIZE, STIFF_N, STIFF_T
 from drystone.contact.rows import OF_GAP, OF_SLIP
@@ -42,9 +42,6 @@ DONE, MOVED, BALANCED = 0, 1, 2
 
 #: Cycles between two looks at the residual.
 LOOK = 25
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def form_of(dof: tuple[int, ...]) -> ModuleType:

@@ -15,8 +15,8 @@ from functools import partial
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import (
     BRANCHES_FIXED,
     LEAST_NEWTON,
@@ -37,10 +37,6 @@ from drystone.law.residual import unbalanced_force
 from drystone.law.violation import joint_law_violation
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
 from drystone.statics.tie_forces import TieImpulses
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,8 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import (
     AT_REST_MOTION,
     DEAD_LOAD_TIME_STEP,
@@ -50,10 +50,6 @@ from drystone.law.status import status_of
 from drystone.model.ties import TieState
 from drystone.statics.linear.block_system import BlockSystem
 from drystone.statics.tie_forces import JoinedTies, TieForces, TieImpulses
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,13 +17,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, PAIR, Contacts
 from drystone.contact.rows import OF_GAP, OF_SLIP, add_reaction
-
-Array = NDArray[np.float64]
 
 
 class ContactProblem(NamedTuple):

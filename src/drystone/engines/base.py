@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, fields
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.codec import Derived
 from drystone.contact.forces import ContactForces
 from drystone.model.assembly import Assembly
@@ -21,9 +21,6 @@ from drystone.model.loading import DeadLoad, LoadPattern
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
 from drystone.model.ties import Tie, TieState
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 class EngineError(Exception):

@@ -17,17 +17,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import BOND_TIE, DUE_TOGETHER, LEAST_INCREMENT
 from drystone.common.tolerances import SLIGHT as SLIGHT
 from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
 from drystone.model.ties import Bars
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 #: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots + n_ties,) of the
 #: bonds, see `law.bonds`, and of `ties`, and `due`, the rows of those that the step has ended

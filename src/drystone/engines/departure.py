@@ -7,18 +7,14 @@ leave.  An engine takes them out of the balance and continues with the other blo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.contact import measures as kernels
 from drystone.contact.contacts import Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.engines.base import Problem
 from drystone.engines.measures import LoadArrays
 from drystone.geometry.motion import translations
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 
 def departing(

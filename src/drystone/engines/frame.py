@@ -16,8 +16,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.records import changed
 from drystone.common.tolerances import FRAME_SIZE, FRAME_UNIT_WEIGHT, SAME_PLACE
 from drystone.contact.forces import ContactForces
@@ -26,9 +26,6 @@ from drystone.model.assembly import Assembly
 from drystone.model.joint_law import JointLaw
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import TieState
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
 DIGITS = 13

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.codec import Derived
 from drystone.common.records import changed
 from drystone.contact.forces import ContactForces
@@ -18,10 +18,6 @@ from drystone.engines.base import Demand, Engine, PreferredSteps, Problem, State
 from drystone.engines.frame import Frame, plain
 from drystone.model.assembly import Assembly
 from drystone.model.ties import TieState
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def framed(engine: Engine[Any]) -> Engine[Any]:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import ACCELERATION_LIMIT, ACROSS_THE_LOAD, LEAST_LOAD, NAMED_MOTION
 from drystone.contact import measures as kernels
 from drystone.contact.contacts import Slots
@@ -16,9 +16,6 @@ from drystone.law.certificate import Certificate
 from drystone.law.columns import DILATION
 from drystone.model.assembly import GRAVITY
 from drystone.model.loading import Acting
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,14 +54,14 @@ class LoadArrays:
     mass: Array  # kg, kg m2
     total: float  # N, sum of the pattern along that
     along: Array  # (dim,) that it leads along; zeros where its sum is none
-    fixed: NDArray[np.bool_]  # (n,) supports, and blocks that have left
+    fixed: BoolArray  # (n,) supports, and blocks that have left
     acting: Acting  # what they are arrays of
 
     @classmethod
     def of(
         cls,
         problem: Problem,
-        departed: NDArray[np.bool_] | None = None,
+        departed: BoolArray | None = None,
         stage: int | None = None,
     ) -> LoadArrays:
         """Those of a problem, without the blocks that are ``departed`` (n,); of the dead loads

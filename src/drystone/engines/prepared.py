@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.codec import Derived
 from drystone.common.tolerances import TINY
 from drystone.contact.detection import Detector
@@ -19,8 +19,6 @@ from drystone.law.strengths import Strengths
 from drystone.law.table import law_table
 from drystone.model.assembly import Assembly
 from drystone.model.ties import Bars
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

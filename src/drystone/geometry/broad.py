@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.errors import ModelError
 from drystone.common.ranges import CROWD, CROWDED
 from drystone.geometry import boxes as kernels
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 
 #: Up to as many boxes each is compared with each: that is done before compiled code is loaded.
 FEW = 64

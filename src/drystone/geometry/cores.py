@@ -12,17 +12,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import DEGENERATE
 from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
 from drystone.geometry.space.cells import Cell, Point, below, cell_of, heights, packed
 from drystone.geometry.space.solid import Faces, face_planes, size_of
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.geometry import GeometryError, cores
 from drystone.geometry.cores import SolidCore
 from drystone.geometry.plane import parts as outline_parts
@@ -17,9 +17,6 @@ from drystone.geometry.plane.polygon import Core
 from drystone.geometry.space import parts as solid_parts
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Faces, Part
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -13,12 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import TOUCHING
 from drystone.geometry.plane.outlines import Outlines, along_and_off
 from drystone.geometry.space.polyhedra import Polyhedra
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,7 +237,7 @@ class _Shared(NamedTuple):
     end: Array  # m
     low: Array  # m, of the common part
     high: Array  # m
-    touching: NDArray[np.bool_]  # whether there is one, within the tolerance
+    touching: BoolArray  # whether there is one, within the tolerance
 
 
 def _shared_parts(p: Array, q: Array, tolerance: Array) -> _Shared:

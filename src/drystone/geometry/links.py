@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-IntArray = NDArray[np.int64]
+from drystone.common.arrays import IntArray
 
 #: Links up to which they are followed one by one: that is done before scipy is imported.
 FEW = 5000

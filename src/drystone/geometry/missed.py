@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import MISSED_GAP, MISSED_SHARE
 from drystone.geometry.interfaces import Interfaces, polygon_areas
 
 if TYPE_CHECKING:
     from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,7 +52,7 @@ def _sizes(assembly: Assembly) -> Array:
     return polygon_areas(solids.vertices[solids.rows], solids.face_offset, solids.normals)
 
 
-def _rows(joints: Interfaces, rows: NDArray[np.int64]) -> Interfaces:
+def _rows(joints: Interfaces, rows: IntArray) -> Interfaces:
     """Some of the joints."""
     counts = np.diff(joints.offset)[rows]
     at = np.concatenate(

@@ -15,12 +15,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry import rotation
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def n_dof(dimension: int) -> int:

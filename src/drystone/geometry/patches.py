@@ -6,11 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.space.solid import Faces, Part
-
-Array = NDArray[np.float64]
 
 #: Places along a segment, and in a triangle, of which the mean of a square is exact.
 _ON_SEGMENT = np.array([[0.5 + s / math.sqrt(12.0), 0.5 - s / math.sqrt(12.0)] for s in (-1, 1)])

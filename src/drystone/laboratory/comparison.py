@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.workers import Call, in_processes
 from drystone.laboratory.figures import Figures, amplitude, figures_of, loops_of
 from drystone.laboratory.models import SHEAR_SHARES, model_of
@@ -29,8 +29,6 @@ from drystone.laboratory.walls import (
     wall_named,
     walls,
 )
-
-Array = NDArray[np.float64]
 
 #: Variants of the model by name; the first is what the reports say.  The last one is of series
 #: whose reports do not say whether the beam could turn.

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.bilinear import RESIDUAL, Bilinear, bilinear, initial_stiffness
 from drystone.assessment.errors import AssessmentError
+from drystone.common.arrays import Array
 from drystone.laboratory.walls import REVERSAL_NOISE, Wall
 from drystone.results.cycles import Cycle, cycles_of, envelope
-
-Array = NDArray[np.float64]
 
 #: Drifts [%] at which forces are compared.
 DRIFTS = (1.0, 2.0, 3.0)

@@ -16,11 +16,9 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.language import say
-
-Array = NDArray[np.float64]
 
 #: Of the largest displacement measured, up to which a reversal of a cyclic test is none: gauges
 #: drift by some tenths of a millimetre while the actuator turns.

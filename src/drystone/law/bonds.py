@@ -13,17 +13,13 @@ from __future__ import annotations
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import BOND_TIE, BUILT_SHUT, LEAST_STRENGTH, TOGETHER
 from drystone.contact.contacts import FRICTION, NONE, Slots
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import COHESION, MU, TENSION
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def brittle(laws: Array) -> bool:

@@ -11,16 +11,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.contact.contacts import BOND, TENSILE, Contacts
 from drystone.contact.rows import contact_velocities, dof_of
 from drystone.law.columns import BROKEN, DILATION
 from drystone.law.residual import mark_touched, unbalanced_force
 from drystone.law.violation import joint_law_violation
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 class JudgedContacts(NamedTuple):

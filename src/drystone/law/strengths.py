@@ -25,8 +25,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import LAST_DIGIT, LOST, NEARLY_SHUT, STRAIGHT_CLOSURE
 from drystone.contact.contacts import (
     CRUSH,
@@ -48,11 +48,6 @@ from drystone.law.columns import (
 )
 from drystone.law.table import law_table, yielding_row
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
 
 #: The share of its length by which a joint is closed, as far as the tangent goes; its pressure over
 #: k_n times the length, and stiffness over k_n there.

@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.law.columns import (
     COHESION,
     DILATANCY_END,
@@ -21,8 +21,6 @@ from drystone.law.columns import (
 )
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import JointLaw
-
-Array = NDArray[np.float64]
 
 
 def law_table(assembly: Assembly, *, shear: bool = True) -> Array:

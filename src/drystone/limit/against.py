@@ -17,16 +17,13 @@ no less than -D(u).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import moved_points, places
 from drystone.limit.equilibrium import Equilibrium
 from drystone.model.loading import Acting
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def carried_against(

@@ -22,16 +22,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
+from drystone.common.arrays import Array
 from drystone.limit.cone_program import force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import WHOLE, from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
-
-Array = NDArray[np.float64]
 
 #: From this many contact points on the interior-point method is asked first, by the dimension.  On
 #: dry walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100;

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
@@ -29,8 +29,6 @@ from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
 from drystone.model.assembly import Assembly
 from drystone.model.loading import MassPattern
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
 
 #: Forces below this share of the heaviest weight count as zero.
 NO_FORCE = 1e-7

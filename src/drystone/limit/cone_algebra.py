@@ -18,10 +18,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array, IntArray
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -62,7 +61,7 @@ class Cones:
         for part, count, size in self._groups:
             yield tuple(v[part].reshape(count, size) for v in vectors)
 
-    def _block_pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _block_pattern(self) -> tuple[IntArray, IntArray]:
         """Columns and row starts of a matrix with one block to every cone."""
         columns, counts = [np.zeros(0, np.int64)], [np.zeros(1, np.int64)]
         for part, count, size in self._groups:

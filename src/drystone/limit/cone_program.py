@@ -19,15 +19,12 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csc_matrix, hstack, vstack
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import beside
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, INFEASIBLE, OPTIMAL, UNBOUNDED, Answer, ForceProgram
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Of Clarabel, by its names, one set after another until one answers.  Regularisation of the
 #: default, 1e-8, is felt in the last digits.

@@ -16,12 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from drystone.common.arrays import Array
 from drystone.limit.equilibrium import Equilibrium
-
-Array = NDArray[np.float64]
 
 
 def least_normal(equilibrium: Equilibrium) -> Array:

@@ -34,18 +34,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from drystone.common.arrays import Array, IntArray
 from drystone.limit.cone_algebra import Cones, dot
 from drystone.limit.cones import least_normal
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.interior_point import sparse_order
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Smoothing at the start, at the end, and where rounding may end a curve: forces and velocities are
 #: of order one, and a multiplier is known to some ten times as much.

@@ -21,14 +21,11 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.patches import spread_over
 from drystone.limit.joints import ContactPoints, joined
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Strength of a point over the heaviest weight from which its rest has a unit of its own.
 LARGE = 100.0

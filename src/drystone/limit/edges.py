@@ -25,17 +25,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import TOUCHING
 from drystone.contact.contacts import PART_A, PART_B
 from drystone.contact.detection import Detector
 from drystone.contact.forces import ContactForces
 from drystone.geometry.patches import is_on
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Normals of faces that enclose less than this angle [rad] are one direction: blocks as long as
 #: wide that turn by it open or close by what touches.
@@ -56,7 +53,7 @@ class Edges:
     position: Array  # (n, dim) m
     normal: Array  # (n, dim) from a to b
     area: Array  # (n,) m2, tributary, as in the engines
-    corner: NDArray[np.bool_]  # (n,) whether the parts meet at a corner
+    corner: BoolArray  # (n,) whether the parts meet at a corner
 
     @classmethod
     def of(cls, assembly: Assembly) -> Edges:
@@ -120,9 +117,7 @@ def _parts_of_faces(assembly: Assembly) -> IntArray:
     return np.repeat(np.arange(len(packed.body)), np.diff(packed.first_faces))
 
 
-def _directions(
-    assembly: Assembly, seam: NDArray[np.bool_], a: int, b: int, near: float
-) -> list[Array]:
+def _directions(assembly: Assembly, seam: BoolArray, a: int, b: int, near: float) -> list[Array]:
     """Normals from part a to part b of the faces that separate them, each once.
 
     Seams of a block are no faces to come apart at: behind them it goes on.

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
+from drystone.common.arrays import Array
 from drystone.geometry.motion import moments
 from drystone.limit.crushing import rows_of, spread, with_crushing_points
 from drystone.limit.joints import ContactPoints, contact_points
@@ -27,9 +27,6 @@ from drystone.limit.tied import rows_of as tied_rows
 from drystone.model.assembly import Assembly
 from drystone.model.loading import Acting, DeadForces, DeadLoad, LoadPattern
 from drystone.model.ties import Tie
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,8 +15,8 @@ they have there.  Before or at the point
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import IntArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import angles_of, rotation_vectors, translations
 from drystone.limit.against import carried_against
@@ -27,9 +27,6 @@ from drystone.limit.joints import ContactPoints, contact_points, joined, points_
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve, CurvePoint
 from drystone.results.events import COLLAPSES, EventKind
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Blocks that turn by t change a multiplier of sliding by (1 + mu^2) t, the slope of tan, and those
 #: that move by u over blocks of size s change arms by u / s.  An excess beyond so many times that

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
+from drystone.common.arrays import Array
 from drystone.limit.cones import Regions
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.program import FAILED, OPTIMAL, Answer
-
-Array = NDArray[np.float64]
 
 #: A load factor this near to one is one: it is 0 or 1 where joints have no cohesion.
 WHOLE = 1e-6

@@ -21,14 +21,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csc_matrix, csr_array, diags_array
 from scipy.sparse.linalg import SuperLU, splu
 
+from drystone.common.arrays import Array, IntArray
 from drystone.limit.cone_algebra import Cones
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Share of the distance to the boundary that a step takes.
 STEP = 0.995

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.interfaces import corner_shares
 from drystone.geometry.motion import any_tangent, tangents
 from drystone.geometry.plane.outlines import Outlines
@@ -20,9 +20,6 @@ from drystone.geometry.space.parts import touched_edges
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.limit.edges import Edges
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)

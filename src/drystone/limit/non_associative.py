@@ -38,16 +38,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.limit.associative import is_large
 from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
-
-Array = NDArray[np.float64]
 
 #: Relative velocities below this share of the largest are none, in the plane and in space: where
 #: cones are round, the power of a mechanism differs by the square of what its velocities do.

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, hstack, vstack
 
+from drystone.common.arrays import Array, IntArray
 from drystone.limit.equilibrium import Equilibrium
-
-Array = NDArray[np.float64]
 
 #: The finest tolerances that HiGHS takes.
 TOLERANCE = 1e-10
@@ -118,12 +116,12 @@ class ForceProgram:
         lower = np.full(len(rows), -self._high.kHighsInf)
         self._solver.changeRowsBounds(len(rows), rows, lower, np.repeat(intercept, 2))
 
-    def slide(self, contact: NDArray[np.int64], way: Array, intercept: Array) -> None:
+    def slide(self, contact: IntArray, way: Array, intercept: Array) -> None:
         """Fix contacts at their limit: t = way (k + m n), for ways (., 1) of 1 or -1, limits k."""
         rows = (self._n_rows + 2 * contact + (way[:, 0] < 0.0)).astype(np.int32)
         self._solver.changeRowsBounds(len(rows), rows, intercept, intercept)
 
-    def fix_normal(self, contact: NDArray[np.int64], normal: Array) -> None:
+    def fix_normal(self, contact: IntArray, normal: Array) -> None:
         """Set the normal forces of contacts."""
         self._solver.changeColsBounds(len(contact), (2 * contact).astype(np.int32), normal, normal)
 

@@ -11,16 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from drystone.common.arrays import Array
 from drystone.geometry.motion import couple_about
 from drystone.limit.joints import ContactPoints, joined
 from drystone.model.assembly import Assembly
 from drystone.model.ties import Tie, TieEnd
 from drystone.model.ties import spring as spring_between
-
-Array = NDArray[np.float64]
 
 #: Strength of what has none, such as springs, over the weight of all blocks.
 UNBOUNDED = 1e3

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.motion import moved_points
 from drystone.limit.collapse import ASSOCIATIVE, collapse_load
 from drystone.model.model import Model
 from drystone.model.monitor import ControlPoint
-
-Array = NDArray[np.float64]
 
 #: A control point that the mechanism moves by less than this share of its fastest block is still.
 STILL = 1e-3

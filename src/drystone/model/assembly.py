@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import say
 from drystone.common.names import Named
 from drystone.geometry import GeometryError, motion
@@ -30,9 +30,6 @@ from drystone.model.joint_law import JointLaw
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Who is in the first group of a pair, (n,), who in the second, and the number of the law.
 _OfGroups = tuple[BoolArray, BoolArray, int]
@@ -63,7 +60,7 @@ class Corner:
 RESTRAINED_MASS = 1e14
 
 
-def _restrained(blocks: Sequence[Block], dimension: Dimension) -> NDArray[np.bool_]:
+def _restrained(blocks: Sequence[Block], dimension: Dimension) -> BoolArray:
     """What rollers hold, (n, n_dof)."""
     restrained = np.zeros((len(blocks), motion.n_dof(dimension.number)), np.bool_)
     for row, block in zip(restrained, blocks, strict=True):
@@ -195,10 +192,8 @@ class Assembly:
     weight: Array = field(init=False)  # (n,) N
     mass: Array = field(init=False)  # (n, n_dof) kg and kg m2, per degree of freedom
     axes: Array = field(init=False)  # (n, dim, dim) columns: what rotations are about in space
-    fixed: NDArray[np.bool_] = field(init=False)  # (n,)
-    restrained: NDArray[np.bool_] = field(
-        init=False
-    )  # (n, n_dof) what rollers hold of movable blocks
+    fixed: BoolArray = field(init=False)  # (n,)
+    restrained: BoolArray = field(init=False)  # (n, n_dof) what rollers hold of movable blocks
     laws: tuple[JointLaw, ...] = field(init=False)  # laws[0] is `joint`
 
     @classmethod

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.missed import Missed
-from drystone.geometry.plane.outlines import Array, IntArray, Outlines
+from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.construction.words import FEW, listed, millimetres, quoted

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
 from drystone.common.vectors import direction_of
 from drystone.geometry.mended import Mended
@@ -21,8 +21,6 @@ from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
 from drystone.model.site import AssessmentInput, Site
 from drystone.model.ties import Tie
-
-Array = NDArray[np.float64]
 
 #: What becomes of an analysis where a part of the structure collapses.
 REMOVE, STOP = "remove", "stop"

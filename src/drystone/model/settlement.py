@@ -12,17 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.errors import ModelError
 from drystone.common.language import say
 from drystone.common.names import there_is_no
 from drystone.common.vectors import direction_of, vector
 from drystone.geometry import motion
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Scale(Protocol):

@@ -15,12 +15,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.geometry.rotation import add_force_at, rotation_adds, translation
-
-Array = NDArray[np.float64]
 
 #: Columns of `Ties.value`, vectors of three with a zero in the plane: points of a and of b from the
 #: centroids as designed, the way from the one to the other, its length [m]; k [N/m], N_0, bounds
@@ -40,7 +38,7 @@ N_NOW = 14
 class Ties(NamedTuple):
     """All ties of an assembly, a row each."""
 
-    body: NDArray[np.int64]  # (n_ties, 2) a and b
+    body: IntArray  # (n_ties, 2) a and b
     value: Array  # (n_ties, N_VALUE)
     now: Array  # (n_ties, N_NOW)
 

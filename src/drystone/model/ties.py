@@ -15,15 +15,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.names import there_is_no
 from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: What a tie does, in results by these names.
 SLACK, ELASTIC, YIELDING, BROKEN = 0, 1, 2, 3

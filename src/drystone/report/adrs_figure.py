@@ -6,17 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.methods.base import Assessment, LimitState
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
+from drystone.common.arrays import Array
 from drystone.common.language import Saying, say
 from drystone.report import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Periods [s] whose rays are drawn where they fit.
 PERIODS = (0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)

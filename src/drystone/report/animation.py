@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.report import canvas
@@ -20,7 +21,6 @@ from drystone.results.curve import CapacityCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 Frame = NDArray[np.uint8]
 
 ENDINGS = (".gif", ".mp4")

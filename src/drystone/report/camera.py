@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: Height of the camera over the horizon [degrees].
 ELEVATION = 24.0

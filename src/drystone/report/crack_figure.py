@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.language import say
 from drystone.geometry.motion import moved_points
 from drystone.laboratory.models import BEAM, model_of
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from drystone.laboratory.walls import Wall
     from drystone.model.assembly import Assembly
 
-Array = NDArray[np.float64]
 
 #: Panels of a row: two walls, each with its map.
 PAIRS = 2

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.report import canvas
 from drystone.report.quantities import MILLIMETRES_BELOW, length_text
 from drystone.report.reaction_figure import mark_collapse, plot_reaction
@@ -18,7 +18,6 @@ from drystone.results.curve import DYNAMIC, CapacityCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 #: Label, control displacement [m], load multiplier.
 Reference = tuple[str, Array, Array]
 Labelled = Sequence[tuple[str, CapacityCurve]]

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import moved_points
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.motion import across, moved_points
 from drystone.model.assembly import Assembly
 from drystone.model.loading import Acting, DeadForces, DeadLoad
@@ -19,8 +19,6 @@ from drystone.model.model import Model
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Colours of dead loads and of patterns; the longest arrow over the structure's size.
 DEAD, PATTERN = "#7a4b9a", "#2a7f62"
@@ -34,7 +32,7 @@ def arrows_of(
     loads: Sequence[DeadForces],
     pose: Array | None = None,
     *,
-    present: NDArray[np.bool_] | None = None,
+    present: BoolArray | None = None,
     linear: bool = False,
 ) -> tuple[IntArray, Array]:
     """Arrows, one for each load on each of its blocks: the blocks' rows (m,), tails and tips (m, 2,
@@ -78,7 +76,7 @@ def dead_arrows(
     loads: Sequence[DeadLoad],
     pose: Array | None = None,
     *,
-    present: NDArray[np.bool_] | None = None,
+    present: BoolArray | None = None,
     linear: bool = False,
 ) -> tuple[IntArray, Array]:
     """Those of dead loads, see `arrows_of`."""

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.model.ties import BROKEN, ELASTIC, SLACK, YIELDING
 from drystone.report import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Colour, line and label of ties by what they do.
 TIES = {
@@ -40,7 +39,7 @@ def plot_control_point(axes: Axes, path: Array) -> None:
     )
 
 
-def plot_ties(axes: Axes, lines: Array, branch: NDArray[np.int64] | None) -> None:
+def plot_ties(axes: Axes, lines: Array, branch: IntArray | None) -> None:
     """Ties as lines (n_ties, 2, 2), told apart by what they do, where that is known."""
     known = np.full(len(lines), ELASTIC) if branch is None else branch
     for state in np.unique(known).tolist():

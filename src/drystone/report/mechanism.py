@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import moved_points
@@ -18,8 +18,6 @@ from drystone.model.monitor import ControlPoint
 from drystone.model.ties import Tie
 from drystone.report.load_arrows import dead_arrows
 from drystone.results.shapes import LEAST, MovingShapes, compliance, moving_blocks
-
-Array = NDArray[np.float64]
 
 RESTING, MOVING, SUPPORT = "#f3f1ec", "#d9b676", "#c9c9c9"
 OPEN_JOINT, SLID_JOINT = "#c8102e", "#00558c"
@@ -54,18 +52,18 @@ class Mechanism:
     pose: Array  # (n, n_pose), where the blocks are
     initial: Array | None = None  # (n, n_pose), where the load began; None: as designed
     # (n,) blocks that have left: designed outlines, dashed
-    departed: NDArray[np.bool_] | None = None
+    departed: BoolArray | None = None
     contacts: ContactForces | None = None  # of that state: those under load are drawn
     load_direction: Array | None = None  # (dim,) unit vector, of the load's arrow
     control_point: ControlPoint | None = None  # marked where it is now
     magnification: float = 1.0  # of the displacements since then; without contacts if not 1
     ties: tuple[Tie, ...] = ()
-    tie_branch: NDArray[np.int64] | None = None  # (n_ties,) what they do, see `ties.STATES`
+    tie_branch: IntArray | None = None  # (n_ties,) what they do, see `ties.STATES`
     dead_loads: tuple[DeadLoad, ...] = ()  # drawn as arrows
     linear: bool = False  # the pose is a velocity field (n, n_dof), see `motion.moved_points`
     #: (n,) the rigid body that each block is of, negative at rest: they give the colours, in place
     #: of what moves.
-    bodies: NDArray[np.int64] | None = None
+    bodies: IntArray | None = None
 
     def colours(self, drawn: Drawn) -> list[str]:
         """Of all blocks, (n,)."""
@@ -84,8 +82,8 @@ class Drawn:
     shapes: MovingShapes
     pose: Array  # (n, n_pose), or (n, n_dof) of a velocity field
     initial: Array  # likewise
-    moving: NDArray[np.bool_]  # (n,)
-    departed: NDArray[np.bool_]  # (n,)
+    moving: BoolArray  # (n,)
+    departed: BoolArray  # (n,)
     visible: float  # m, from which on a joint counts as open or slid
     ties: Array  # (n_ties, 2, dim) m, both ends of each
     loads: Array  # (m, 2, dim) m, tails and tips of the arrows of dead loads
@@ -128,7 +126,7 @@ class Drawn:
             designed=np.vstack((shapes.vertices, ends)),
         )
 
-    def changed(self, joints: Followed) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def changed(self, joints: Followed) -> tuple[BoolArray, BoolArray]:
         """Which joints have opened, and which of the others have slid, (k,) each; none of blocks
         that have left."""
         opening, slip = joints.opening_and_slip(self.pose, self.initial)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.contact.forces import SLIDING, ContactForces
 from drystone.model.assembly import Assembly
 from drystone.report import canvas, marks
@@ -30,7 +30,6 @@ from drystone.results.shapes import MovingShapes
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Width of a picture in a page [inches]: half of the page, so that letters keep their size; and of
 #: one without letters, whose lines are made finer as it is made smaller.
@@ -131,9 +130,7 @@ def _plot_plane(axes: Axes, mechanism: Mechanism, drawn: Drawn) -> None:
         _plot_load(axes, shapes, mechanism.load_direction)
 
 
-def _plot_blocks(
-    axes: Axes, drawn: Drawn, fixed: NDArray[np.bool_], colours: Sequence[str]
-) -> None:
+def _plot_blocks(axes: Axes, drawn: Drawn, fixed: BoolArray, colours: Sequence[str]) -> None:
     from matplotlib.collections import PolyCollection
 
     shapes, moving, departed = drawn.shapes, drawn.moving, drawn.departed
@@ -141,7 +138,7 @@ def _plot_blocks(
     moved = shapes.split(shapes.moved(drawn.pose))
     width = float(np.clip(12.0 / np.sqrt(len(moved)), 0.15, 0.9))
 
-    def add(which: NDArray[np.bool_], outlines: list[Array], **style: Any) -> None:
+    def add(which: BoolArray, outlines: list[Array], **style: Any) -> None:
         rows = np.flatnonzero(which[shapes.body])
         if len(rows):
             if outlines is moved:

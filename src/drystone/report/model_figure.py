@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.missed import Missed
 from drystone.model.assembly import Assembly
@@ -26,7 +26,6 @@ from drystone.report.names import plot_names
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Endings of the pictures that can be written.
 ENDINGS = (".png", ".svg", ".pdf")

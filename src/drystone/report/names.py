@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.space.solid import face_planes
 from drystone.model.assembly import Assembly
 from drystone.report import canvas
@@ -15,7 +15,6 @@ from drystone.report.camera import Camera
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Sizes of letters, and the share of a letter's height that it is wide [points].
 LEAST, MOST, WIDE = 2.5, 9.0, 0.62

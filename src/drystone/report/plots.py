@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
 from drystone.report import curve_figure, mechanism_figure
@@ -18,8 +18,6 @@ from drystone.results.curve import CapacityCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
-
-Array = NDArray[np.float64]
 
 
 def plot_curve(

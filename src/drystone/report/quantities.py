@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.language import number
 from drystone.results.curve import CapacityCurve, CurvePoint
-
-Array = NDArray[np.float64]
 
 #: Control displacements below this [m] are written in millimetres.
 MILLIMETRES_BELOW = 0.05

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from drystone.common.arrays import Array, BoolArray, IntArray
 
 #: What is seen where there is nothing.
 NOTHING = -1
@@ -133,7 +131,7 @@ def _span(corners: list[list[float]], y: Array) -> tuple[Array, Array]:
     return first, last
 
 
-def rims(values: NDArray[np.int64]) -> tuple[BoolArray, BoolArray]:
+def rims(values: IntArray) -> tuple[BoolArray, BoolArray]:
     """Pixels whose neighbour to the right, or below, shows another value: two (rows, columns)."""
     right, below = np.zeros(values.shape, np.bool_), np.zeros(values.shape, np.bool_)
     right[:, :-1] = values[:, 1:] != values[:, :-1]

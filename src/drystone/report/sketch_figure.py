@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.missed import Missed
 from drystone.geometry.plane.trim import common
 from drystone.io.modelfile.sketch import Sketch
@@ -21,7 +21,6 @@ from drystone.report.names import plot_names
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Width and largest height of a picture [inches].
 WIDTH, HIGHEST = 9.0, 12.0

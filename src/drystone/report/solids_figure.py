@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.model.assembly import Assembly
 from drystone.report import canvas, marks, raster
@@ -32,9 +33,6 @@ from drystone.report.solid_joints import SolidJoints
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Colours = NDArray[np.float32]
 
 #: Pixels of the longer side of the picture, and by how many times finer it is drawn first.

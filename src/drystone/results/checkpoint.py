@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array
 from drystone.common.codec import Packed
 from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
 from drystone.results.curve import BlockLeft, CurvePoint, TieRecord
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.model.monitor import ControlPoint
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from drystone.model.model import Model
     from drystone.model.site import Site
 
-Array = NDArray[np.float64]
 
 #: Status of a point: at rest, or in motion, as a block falls or a wall jumps.
 STATIC, DYNAMIC = "static", "dynamic"
@@ -127,7 +127,7 @@ class TieRecord:
     names: tuple[str, ...]
     force: Array  # N, tension positive
     elongation: Array  # m, beyond the length as designed
-    branch: NDArray[np.int64]  # row of `ties.STATES`
+    branch: IntArray  # row of `ties.STATES`
 
     @classmethod
     def of(cls, names: tuple[str, ...], states: Sequence[TieState]) -> TieRecord:
@@ -155,7 +155,7 @@ class TieRecord:
         """That of the first ``n`` points."""
         return self.at_rows(slice(n))
 
-    def at_rows(self, rows: slice | NDArray[np.int64]) -> TieRecord:
+    def at_rows(self, rows: slice | IntArray) -> TieRecord:
         """That of some points."""
         return replace(
             self,
@@ -516,7 +516,7 @@ class CapacityCurve:
             status=FINISHED if collapsed else STOPPED,
         )
 
-    def departed(self, ids: Sequence[str], step: int) -> NDArray[np.bool_]:
+    def departed(self, ids: Sequence[str], step: int) -> BoolArray:
         """Which of the blocks named have left after a step, (n,)."""
         left = {block.block for block in self.blocks_left if block.step <= step}
         return np.array([name in left for name in ids], dtype=np.bool_)

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: Of the largest displacement, within which a path ends at zero.
 ENDS_AT_ZERO = 1e-6

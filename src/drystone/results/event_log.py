@@ -18,8 +18,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.contact.forces import ContactForces
 from drystone.geometry.motion import translations
 from drystone.model.assembly import Assembly
@@ -32,8 +32,6 @@ from drystone.results.events import Event, EventKind, Outcome
 #: engines prefer is as long, so that a curve does not tell such a jump from a step.
 SNAP = 0.02
 
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Contacts = Callable[[], ContactForces]
 
 
@@ -56,7 +54,7 @@ class EventLog:
         self._departed = np.zeros(assembly.n_bodies, np.bool_)  # left since
         self._collapsed = np.zeros(assembly.n_bodies, np.bool_)  # in the jump that is under way
         self._lost_equilibrium = False
-        self._branch: NDArray[np.int64] | None = None
+        self._branch: IntArray | None = None
         self._yielded = np.zeros(len(model.ties), np.bool_)
         self._bearing: set[int] | None = None  # supports that bore the structure at first
         self._watch_supports = int(assembly.fixed.sum()) > 1
@@ -180,7 +178,7 @@ class EventLog:
             )
         )
 
-    def _ids(self, rows: Sequence[int] | NDArray[np.int64]) -> tuple[str, ...]:
+    def _ids(self, rows: Sequence[int] | IntArray) -> tuple[str, ...]:
         return tuple(self._assembly.ids[int(i)] for i in rows)
 
     def _hanging(self, contacts: Contacts | None) -> BoolArray:

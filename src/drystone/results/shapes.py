@@ -6,13 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.motion import moved_points
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Displacements below this share of the structure's size count as those under the dead load.
 LEAST = 1e-5
@@ -78,7 +75,7 @@ class MovingShapes:
         return float(np.ptp(self.vertices, axis=0).max())
 
 
-def compliance(shapes: MovingShapes, initial: Array | None, fixed: NDArray[np.bool_]) -> float:
+def compliance(shapes: MovingShapes, initial: Array | None, fixed: BoolArray) -> float:
     """Displacement that a block may have by the compliance of the joints alone [m].
 
     The measure is the motion under the dead load, in which all joints closed: the largest
@@ -91,9 +88,7 @@ def compliance(shapes: MovingShapes, initial: Array | None, fixed: NDArray[np.bo
     return max(sunk, LEAST * shapes.size())
 
 
-def moving_blocks(
-    displacement: Array, fixed: NDArray[np.bool_], compliant: float = np.inf
-) -> NDArray[np.bool_]:
+def moving_blocks(displacement: Array, fixed: BoolArray, compliant: float = np.inf) -> BoolArray:
     """Which blocks (n,) move with the mechanism.
 
     Those do that move by more than ``compliant``, see `compliance`: however far a part falls, what

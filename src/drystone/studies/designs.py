@@ -12,12 +12,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.studies.distributions import Continuous, Law
 from drystone.studies.errors import StudyError, needed
-
-Array = NDArray[np.float64]
 
 DESIGNS = ("grid", "lhs", "sobol", "random", "saltelli", "morris")
 #: Designs of which the first samples stay what they are when more are asked for.

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.names import suggestion
-
-Array = NDArray[np.float64]
 
 
 class DistributionError(ValueError):

@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.io.results.folder import in_a_sentence, whole_file
 from drystone.report import canvas
 from drystone.report.curve_figure import DISPLACEMENT, MULTIPLIER
 from drystone.studies.study import Study
 from drystone.studies.tables import read_samples, some_curves
-
-Array = NDArray[np.float64]
 
 #: Curves that bands are made of, and those that are drawn one by one.
 MOST_CURVES, DRAWN = 4000, 60

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.io.results.summary import plain
 from drystone.studies import indices
 from drystone.studies.errors import needed
@@ -47,9 +47,9 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     return plain(found)  # type: ignore[no-any-return]
 
 
-def _distinct(values: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+def _distinct(values: dict[str, Array]) -> dict[str, Array]:
     """Without columns that are the same as one before, as the capacity is where nothing falls."""
-    found: dict[str, NDArray[np.float64]] = {}
+    found: dict[str, Array] = {}
     for name, own in values.items():
         if not any(np.array_equal(own, other, equal_nan=True) for other in found.values()):
             found[name] = own
@@ -66,7 +66,7 @@ def numbers(asked: Study, folder: Path, frame: Any) -> list[str]:
     return [n for n in numeric if frame[n].notna().any()]
 
 
-def _array(frame: Any, name: str) -> NDArray[np.float64]:
+def _array(frame: Any, name: str) -> Array:
     """A column as numbers, NaN where there is none."""
     return frame[name].to_numpy(dtype=float, na_value=np.nan)  # type: ignore[no-any-return]
 
@@ -77,7 +77,7 @@ def _n_certified(frame: Any) -> int | None:
     return int((frame["certified"] == True).sum())  # noqa: E712  # of a column
 
 
-def _extremes(values: dict[str, NDArray[np.float64]]) -> dict[str, Any]:
+def _extremes(values: dict[str, Array]) -> dict[str, Any]:
     """Samples of the least and the greatest value of each output."""
     return {
         name: {"least": int(np.nanargmin(own)), "greatest": int(np.nanargmax(own))}
@@ -85,7 +85,7 @@ def _extremes(values: dict[str, NDArray[np.float64]]) -> dict[str, Any]:
     }
 
 
-def _summary(column: NDArray[np.float64]) -> dict[str, float]:
+def _summary(column: Array) -> dict[str, float]:
     known = column[np.isfinite(column)]
     q = np.quantile(known, [0.05, 0.16, 0.5, 0.84, 0.95])
     return {

@@ -11,11 +11,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.studies.errors import StudyError
-
-Array = NDArray[np.float64]
 
 #: Level of the intervals, and resamples where they are by bootstrap.
 LEVEL, RESAMPLES = 0.95, 1000
@@ -42,7 +40,7 @@ def of_capacities(capacity: Array) -> dict[str, Any]:
     )
 
 
-def of_stripes(intensity: Array, exceeded: NDArray[np.bool_]) -> dict[str, Any]:
+def of_stripes(intensity: Array, exceeded: BoolArray) -> dict[str, Any]:
     """Median and beta of greatest likelihood, for runs at some intensities.
 
     Intervals are those of the observed information.

@@ -11,15 +11,13 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.model.assembly import Block, Corner
 from drystone.model.construction.fit import turned_round
 from drystone.studies.errors import StudyError
 from drystone.studies.study import Imperfection
 from drystone.studies.worn import worn
-
-Array = NDArray[np.float64]
 
 #: Share of a structure's size under which two levels are the same.
 _SAME = 1e-9
@@ -135,6 +133,6 @@ class _Levels:
         apart = np.concatenate(([True], np.diff(ordered) > same))
         self.places: Array = ordered[apart]
 
-    def rows(self, values: Array) -> NDArray[np.int64]:
+    def rows(self, values: Array) -> IntArray:
         """Rows of the places that are nearest, (n,)."""
         return np.abs(self.places - values[:, np.newaxis]).argmin(axis=1)

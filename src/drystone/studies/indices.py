@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.studies.designs import problem_of, unit_cube
 from drystone.studies.errors import needed
 from drystone.studies.study import Study
-
-Array = NDArray[np.float64]
 
 #: Resamples of confidence intervals, and their level.
 RESAMPLES, LEVEL = 200, 0.95

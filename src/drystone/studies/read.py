@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from drystone.common.arrays import Array
 from drystone.common.names import quoted, suggestion
 from drystone.engines import BUILT_IN, engine_names
 from drystone.io.modelfile.parse import parse
@@ -234,7 +234,7 @@ def _law(one: ParameterSection) -> Law:
 
 def _correlation(
     section: StudySection, parameters: Sequence[Parameter], problems: list[str]
-) -> NDArray[np.float64] | None:
+) -> Array | None:
     """The matrix of correlations; None where there are none."""
     if not section.correlation:
         return None

@@ -18,16 +18,14 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.version import package_version
 from drystone.io.results.summary import plain
 from drystone.model.construction.errors import ModelError
 from drystone.studies import paths
 from drystone.studies.designs import seed_of
 from drystone.studies.study import COLUMNS, Task
-
-Array = NDArray[np.float64]
 
 #: Status of a sample without a result.
 FAILED = "failed"

@@ -10,9 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array
 from drystone.studies import designs
 from drystone.studies.distributions import Law
 from drystone.studies.paths import Keys
@@ -94,7 +92,7 @@ class Study:
     steps: tuple[int | None, ...]
     levels: int = 4
     second_order: bool = False
-    correlation: NDArray[np.float64] | None = None
+    correlation: Array | None = None
     fragility: tuple[Mapping[str, Any], ...] = ()
     target: Mapping[str, Any] | None = None
     given: Mapping[str, Any] = field(default_factory=dict)  # the file as it was

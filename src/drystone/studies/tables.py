@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import BoolArray
 from drystone.io.results.folder import whole_file
 from drystone.studies.errors import needed
 from drystone.studies.sample import Outcome
@@ -55,7 +55,7 @@ class Parts:
                     path.unlink()
         self._next = 1 + max(known, default=-1)
 
-    def done(self, count: int) -> NDArray[np.bool_]:
+    def done(self, count: int) -> BoolArray:
         """Which samples are in parts, (count,)."""
         parquet = needed("pyarrow.parquet")
         done = np.zeros(count, dtype=np.bool_)

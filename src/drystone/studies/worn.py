@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from drystone.common.arrays import Array
 from drystone.geometry import GeometryError
 from drystone.geometry.space.solid import Faces, Part, face_planes, size_of
 from drystone.model.assembly import Block, Corner
 from drystone.studies.errors import StudyError
-
-Array = NDArray[np.float64]
 
 #: Most of an edge that goes with one of its corners: two leave a fifth of it.
 _MOST = 0.4

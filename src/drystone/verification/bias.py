@@ -6,17 +6,15 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.analysis.driver import pushover
+from drystone.common.arrays import Array
 from drystone.model.builders.published import published_wall
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve
 from drystone.verification.blocks import on_base, rocking_branch
 from drystone.verification.case import CLOSED_FORM, Case
 from drystone.verification.plane import HEIGHT, STIFFNESS, WIDTH
-
-Array = NDArray[np.float64]
 
 SECTION = "The bias of the published strategy"
 

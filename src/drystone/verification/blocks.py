@@ -6,16 +6,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.space import solid
 from drystone.model.assembly import Block, Corner
 from drystone.model.builders.stones import rectangle
 from drystone.model.construction.model import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
 
 UNIT_WEIGHT = 10e3  # N/m3, of all blocks here
 

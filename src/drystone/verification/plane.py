@@ -5,14 +5,12 @@ from __future__ import annotations
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.analysis.driver import pushover
+from drystone.common.arrays import BoolArray
 from drystone.results.curve import STATIC, CapacityCurve
 from drystone.verification.blocks import UNIT_WEIGHT, on_base, rocking_branch
 from drystone.verification.case import CLOSED_FORM, ENGINES, Case
-
-Array = NDArray[np.float64]
 
 ROCKING, SLIDING, STEPS = "A block that rocks", "A block that slides", "Step size"
 
@@ -38,7 +36,7 @@ SECTIONS = {
 }
 
 
-def static(curve: CapacityCurve) -> NDArray[np.bool_]:
+def static(curve: CapacityCurve) -> BoolArray:
     """Which points (n,) inertia does not help to carry."""
     return np.asarray(curve.column("status") == STATIC)
 

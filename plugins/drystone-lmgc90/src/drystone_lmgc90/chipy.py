@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
-
-Array = NDArray[np.float64]
 
 STORAGE = "Stored_Delassus_Loops         "  # thirty letters
 NORM = "QM/16"
@@ -80,7 +79,7 @@ class Simulation:
             **self._contacts(h, stiffness, bodies),
         )
 
-    def _share(self) -> tuple[Array, NDArray[np.int64]]:
+    def _share(self) -> tuple[Array, IntArray]:
         """Stiffness [N/m] and bodies (b, a) of each contact; the former is handed to LMGC90."""
         chipy, kind, setup = self.chipy, self.chipy.PLPLx_ID, self.setup
         n = chipy.inter_handler_2D_tgetNb(kind)
@@ -112,9 +111,7 @@ class Simulation:
         get = self.chipy.RBDY2_GetBodyVector
         return np.array([get(name, i + 1) for i in range(self.n)], dtype=float)
 
-    def _contacts(
-        self, h: float, stiffness: Array, bodies: NDArray[np.int64]
-    ) -> dict[str, NDArray[Any]]:
+    def _contacts(self, h: float, stiffness: Array, bodies: IntArray) -> dict[str, NDArray[Any]]:
         chipy = self.chipy
         # Place, tangent, normal, impulses and velocities along both, gap at the end.
         data = [

@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N, Contacts, Pairs, Slots
 from drystone.contact.detection import Detector
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
@@ -46,8 +46,6 @@ from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.model.assembly import GRAVITY, Assembly, Corner
 from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone_lmgc90.process import Process
-
-Array = NDArray[np.float64]
 
 MISSING = (
     "LMGC90 is not installed. On Linux with Python 3.11: pip install --no-deps compas-lmgc90; "
@@ -425,7 +423,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         return np.concatenate((rows, rows[:, 1:]), axis=1)  # slip is measured by its own gradient
 
     def _about_axes(
-        self, prepared: Lmgc90Prepared, moment: Array, pose: Array, body: NDArray[np.int64]
+        self, prepared: Lmgc90Prepared, moment: Array, pose: Array, body: IntArray
     ) -> Array:
         """Moments (k, 1 or 3) in the world about the axes of bodies (k,) in the poses."""
         if moment.shape[1] == 1:
@@ -433,7 +431,7 @@ class Lmgc90Engine(Engine[Lmgc90State]):
         axes = [motion.rotated(prepared.theirs.axes[body, :, i], pose[body]) for i in range(3)]
         return np.stack([np.sum(axis * moment, axis=1) for axis in axes], axis=1)
 
-    def _status(self, prepared: Lmgc90Prepared, outcome: Outcome) -> NDArray[np.int64]:
+    def _status(self, prepared: Lmgc90Prepared, outcome: Outcome) -> IntArray:
         """Open, sticking or sliding, as far as the solver's tolerance tells them apart."""
         normal, shear = outcome.reaction[:, 0], np.linalg.norm(outcome.reaction[:, 1:], axis=1)
         status = np.where(shear >= (1.0 - 1e-3) * prepared.friction * normal, SLIDING, STICKING)

@@ -11,13 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.space.solid import Part
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +22,7 @@ class Setup:
     shapes: tuple[Part, ...]  # of every body, m, corners taken off; in the plane no faces
     axes: Array  # (n, dim, dim) that rotations are about in space, in columns
     density: Array  # (n,) kg/m3
-    fixed: NDArray[np.bool_]  # (n,)
+    fixed: BoolArray  # (n,)
     thickness: float  # m; 1 in space
     friction: float  # -
     joints: Mapping[tuple[int, int], float]  # N/m of each designed joint, by bodies a < b

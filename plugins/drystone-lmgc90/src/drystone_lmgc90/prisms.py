@@ -9,14 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.space.solid import Part
 from drystone_lmgc90 import wheel
 from drystone_lmgc90.messages import Outcome, Setup, Step
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Depths of the prisms that are tried, over the thickness: where a block is as deep as it is long,
 #: its axes of inertia are undetermined and need not lie in the plane.

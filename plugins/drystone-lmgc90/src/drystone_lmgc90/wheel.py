@@ -30,12 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Faces
 from drystone_lmgc90.messages import Outcome, Ready, Setup, Step
 from drystone_lmgc90.process import RemoteError
-
-Array = NDArray[np.float64]
 
 PACKAGE = "compas-lmgc90"
 MODULE = "compas_lmgc90._lmgc90"
@@ -213,15 +212,15 @@ class Simulation:
         self._configure()
         self.ready = Ready(program=program())
 
-    def _upright_axes(self) -> NDArray[np.int64]:
+    def _upright_axes(self) -> IntArray:
         """Which axis of inertia of each body is along z; raises `NoUprightAxisError`."""
         along = np.abs(self.frame[:, 2, :])
         if np.any(along.max(axis=1) <= 1.0 - 1e-9):
             raise NoUprightAxisError
-        upright: NDArray[np.int64] = np.argmax(along, axis=1)
+        upright: IntArray = np.argmax(along, axis=1)
         return upright
 
-    def _build(self, held: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _build(self, held: BoolArray) -> tuple[Array, Array]:
         """Put the bodies together, some degrees of freedom (n, 6) held; centres and frames."""
         setup = self.setup
         if self.solver is not None:
@@ -293,7 +292,7 @@ class Simulation:
         library.call(RBDY3 + "comp_fint_rbdy3")
         library.call(RBDY3 + "comp_free_vlocy_rbdy3")
 
-    def _detect(self) -> tuple[Array, NDArray[np.int64]]:
+    def _detect(self) -> tuple[Array, IntArray]:
         """Find contacts; gives the stiffness [N/m] and the bodies (b, a) of each."""
         library, setup = self.library, self.setup
         library.call(OVERALL + "init_entitylist")
@@ -361,7 +360,7 @@ class Simulation:
         self,
         h: float,
         stiffness: Array,
-        bodies: NDArray[np.int64],
+        bodies: IntArray,
         n_sweeps: int,
         converged: bool,
     ) -> Outcome:
@@ -382,9 +381,7 @@ class Simulation:
             **self._contacts(h, stiffness, bodies),
         )
 
-    def _contacts(
-        self, h: float, stiffness: Array, bodies: NDArray[np.int64]
-    ) -> dict[str, NDArray[Any]]:
+    def _contacts(self, h: float, stiffness: Array, bodies: IntArray) -> dict[str, NDArray[Any]]:
         """Points, reactions and gaps of the contacts."""
         n = len(stiffness)
         frame, local, gap = np.zeros((n, 12)), np.zeros((n, 3)), np.zeros(n)
@@ -428,7 +425,7 @@ class Simulation:
         self.velocity, self.pending = self.pending, None
 
 
-def triangles(faces: Faces) -> NDArray[np.int64]:
+def triangles(faces: Faces) -> IntArray:
     """Convex faces as triangles, (k, 3)."""
     return np.array([(f[0], *f[i : i + 2]) for f in faces for i in range(1, len(f) - 1)], np.int64)
 

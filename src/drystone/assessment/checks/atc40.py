@@ -9,12 +9,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, positive
+from drystone.common.arrays import Array
 from drystone.model.assembly import GRAVITY
-
-Array = NDArray[np.float64]
 
 #: kappa by structural behaviour type for moderate loops; type C is the one of poor dissipation.
 POOR_DISSIPATION = 0.33

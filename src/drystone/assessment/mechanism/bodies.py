@@ -10,15 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.mechanism.field import VelocityField
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry import motion
 from drystone.geometry.links import components
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Velocities, over the control point's, that differ by less are the same, and below which blocks
 #: are at rest.
@@ -36,7 +33,7 @@ def find_macro_blocks(
     field: VelocityField,
     direction: Array,
     *,
-    departed: NDArray[np.bool_] | None = None,
+    departed: BoolArray | None = None,
     tolerance: float = SAME,
 ) -> IntArray:
     """Which body each block belongs to, (n,): 0, 1, ... in the order of their first blocks.
@@ -154,7 +151,7 @@ def _split(bodies: _Bodies, members: IntArray, pairs: IntArray, tolerance: float
     return np.array([label[int(i)] for i in members], dtype=np.int64)
 
 
-def _put_to_rest(labels: IntArray, slow: NDArray[np.bool_], weight: Array) -> None:
+def _put_to_rest(labels: IntArray, slow: BoolArray, weight: Array) -> None:
     """Take slow blocks out of their bodies but for the foot of one that turns about it."""
     moving = labels >= 0
     body = labels[moving]

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.errors import UnfinishedError
+from drystone.common.arrays import Array
 from drystone.common.language import say
 from drystone.results.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
 from drystone.results.events import first_collapse
-
-Array = NDArray[np.float64]
 
 #: A branch that has come down to this share of the peak is drawn on to a multiplier of zero.
 LOW = 0.1

@@ -11,14 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry import motion
 from drystone.model.assembly import Assembly
 from drystone.model.monitor import ControlPoint
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Control velocity, over the largest of a block, below which a field moves past its control point.
 STILL = 1e-9

@@ -9,13 +9,11 @@ model's thickness.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.mechanism.shapes import MechanismShape
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import across_both
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
 
 #: Gap, over a block's own length, up to which the next one goes on with the same wall.
 GAP = 0.01
@@ -65,7 +63,7 @@ def _reach(assembly: Assembly, direction: Array) -> Array:
     return found
 
 
-def _length(boxes: dict[str, Array], way: str, i: int, moving: NDArray[np.int64]) -> float:
+def _length(boxes: dict[str, Array], way: str, i: int, moving: IntArray) -> float:
     """Length [m] of what follows block ``i`` without a gap on the line through its middle."""
     on = np.ones(len(moving), np.bool_)
     for name, box in boxes.items():

@@ -7,7 +7,6 @@ it.  That place follows from geometry: no point of the curve is needed there.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.bodies import SAME
@@ -15,8 +14,6 @@ from drystone.assessment.mechanism.shapes import tangent_shape
 from drystone.geometry import motion
 from drystone.model.model import Model
 from drystone.results.curve import STATIC, CapacityCurve
-
-Array = NDArray[np.float64]
 
 
 def stands_on_its_axis(curve: CapacityCurve, model: Model) -> float | None:

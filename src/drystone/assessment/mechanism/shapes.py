@@ -10,21 +10,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.capacity import Participation, participation
 from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
 from drystone.assessment.mechanism.field import VelocityField, chord, less
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import said_end, say
 from drystone.geometry import motion
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import masses_of
 from drystone.model.model import Model
 from drystone.results.curve import FINISHED, PASSED, STATIC, CapacityCurve
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Points over which a tangent is taken: single increments may be of a size with their errors.
 POINTS = 6
@@ -228,7 +225,7 @@ def _masses(model: Model) -> Array:
 
 
 def _kinetic_ratio(
-    model: Model, field: VelocityField, present: NDArray[np.bool_], pose: Array | None
+    model: Model, field: VelocityField, present: BoolArray, pose: Array | None
 ) -> float:
     """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
     mass = _masses(model)[present]
@@ -237,7 +234,7 @@ def _kinetic_ratio(
 
 
 def _kinetic_mass(
-    model: Model, field: VelocityField, which: NDArray[np.bool_], pose: Array | None
+    model: Model, field: VelocityField, which: BoolArray, pose: Array | None
 ) -> float:
     """sum (m |v|^2 + w J w) [kg] of blocks (n,); what blocks carry moves as their centroids do."""
     assembly, spin = model.assembly, field.spin
@@ -252,7 +249,7 @@ def _kinetic_mass(
 
 
 def _torsion(
-    assembly: Assembly, field: VelocityField, direction: Array, moving: NDArray[np.bool_]
+    assembly: Assembly, field: VelocityField, direction: Array, moving: BoolArray
 ) -> float:
     """Velocity of the fastest point by rotations about other axes than that across the load."""
     for axis in motion.across_both(assembly.up, direction):
@@ -267,7 +264,7 @@ def _torsion(
     return 0.0
 
 
-def _present(curve: CapacityCurve, model: Model, row: int) -> NDArray[np.bool_]:
+def _present(curve: CapacityCurve, model: Model, row: int) -> BoolArray:
     """Blocks that may move and are still part of the structure, (n,)."""
     departed = curve.departed(model.assembly.ids, curve.points[row].step)
     return ~(model.assembly.fixed | departed)

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.rocking.record import Record
-
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: How it rocks: both ways alike, or one way against something that throws it back.
 SIDES = ("two", "one")

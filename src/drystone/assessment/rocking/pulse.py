@@ -9,11 +9,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, positive
-
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 KINDS = ("half_sine", "rectangular")
 

@@ -6,13 +6,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import positive
+from drystone.common.arrays import Array
 from drystone.model.construction.contents import Held, name_of
-
-Array = NDArray[np.float64]
 
 HEADER = ("t", "a")
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError
-
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: Damping of the spectra of the codes; a ratio, as everywhere but in files.
 REFERENCE_DAMPING = 0.05

@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, not_negative, positive
 from drystone.assessment.spectra.base import Spectrum, damping_factor, periods
+from drystone.common.arrays import Array
 from drystone.common.language import say
-
-Array = NDArray[np.float64]
 
 #: a and b of (C7.2.6): the plateau of a floor spectrum lies between a T_k and b T_k.
 BELOW, ABOVE = 0.8, 1.1

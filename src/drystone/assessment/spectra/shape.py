@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
-
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: Of the displacement of the ground, d_g = 0.025 a_g S T_C T_D; 1/4 pi^2 rounded by both codes.
 GROUND_DISPLACEMENT = 0.025

@@ -7,16 +7,15 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drystone.assessment.columns import checked_columns, read_columns, unit_of
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.spectra.base import damping_factor, periods
+from drystone.common.arrays import Array
 from drystone.common.language import say
 from drystone.model.assembly import GRAVITY
 from drystone.model.construction.contents import Held, name_of
-
-Array = NDArray[np.float64]
 
 HEADER = ("T", "Se")
 

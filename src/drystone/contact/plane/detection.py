@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.boxed import boxed
 from drystone.contact import measures
 from drystone.contact.contacts import Contacts, Pairs, Slots
@@ -12,9 +12,6 @@ from drystone.contact.plane import narrow
 from drystone.contact.plane.narrow import Bodies, World
 from drystone.law import packing
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class PlaneNarrowPhase:

@@ -33,8 +33,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import DEEP, LEAST_FACE, PASSAGE, ROUNDING, SAME_CORNER
 from drystone.contact.contacts import (
@@ -66,9 +66,6 @@ from drystone.contact.contacts import (
 #: Contact points of a pair: one at each end of its interface.  More lie between them, at equal
 #: distances, on the edge of b.
 ENDS = 2
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Bodies(NamedTuple):

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import ARM_A_3, A, Contacts, Pairs, Slots
 from drystone.contact.space import manifold, points, solids, succession
 from drystone.contact.space.rows import packed_rows_in_space
 from drystone.contact.space.shapes import World, place, rotate_bodies
 from drystone.law import packing
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class SpaceNarrowPhase:

@@ -39,8 +39,8 @@ Features are numbers: vertices of all parts, then edges, then faces, then points
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import EDGES_MARGIN, KEPT_FACE
 from drystone.contact.contacts import EDGE_A, EDGE_B, FIRST, GAP, KIND, NONE, PART_A, PART_B
@@ -50,8 +50,6 @@ from drystone.contact.space.facing import faces_that_meet
 from drystone.contact.space.points import empty
 from drystone.contact.space.separation import best_face
 from drystone.contact.space.shapes import Shapes, place, scene_of, scratch_for
-
-IntArray = NDArray[np.int64]
 
 
 def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) -> IntArray:

@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.geometry.rotation import place_axes
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Shapes(NamedTuple):

@@ -7,12 +7,10 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.space.shapes import Shapes
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Faces = tuple[tuple[int, ...], ...]
 
 

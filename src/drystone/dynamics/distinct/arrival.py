@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import NOISE, TIES_NEARER
 from drystone.contact.contacts import BODY_A, BODY_B, CRUSH, SHIFT, SLOT
 from drystone.contact.rows import OF_GAP
@@ -18,8 +18,6 @@ from drystone.engines.measures import StepOutcome, not_crushed, report
 from drystone.law.bonds import margins
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.residual import add_contact_forces
-
-Array = NDArray[np.float64]
 
 
 def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.common.tolerances import BETWEEN_POINTS, BY_ITSELF, MAY_HAVE_LEFT
 from drystone.dynamics import explicit
@@ -14,8 +13,6 @@ from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import OVERSHOOT_PARTS
 from drystone.engines.measures import LoadArrays
 from drystone.model.tie_kernels import PRETENSION
-
-Array = NDArray[np.float64]
 
 #: Parts in which the dead load comes: each shakes the structure by as little.
 RAMP = 100

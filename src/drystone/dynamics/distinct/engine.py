@@ -17,8 +17,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.tolerances import (
     AT_STRENGTH,
     DISTINCT_RESIDUAL,
@@ -55,9 +55,6 @@ from drystone.law.bonds import weakest
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 #: A state and the report of the step to it.
 Step = tuple[DistinctState, StepReport]

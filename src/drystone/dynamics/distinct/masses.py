@@ -15,18 +15,14 @@ sqrt(2) / omega: undamped motion with impacts wants a safety factor below 0.7.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import FREE_TIME_STEP, LEAST_STIFFNESS, TINY, WATCHED, WATCHED_REACH
 from drystone.contact.contacts import Pairs, Slots
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.state import DistinctPrepared, DistinctSettings
 from drystone.law.columns import BROKEN, COHESION, COHESIVE, DILATION, PULLS, TENSION
 from drystone.statics.tie_forces import TieForces
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def search_reach(settings: DistinctSettings, prepared: DistinctPrepared) -> float:

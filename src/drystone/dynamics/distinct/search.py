@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import WATCHED
 from drystone.contact.contacts import EDGE_A, EDGE_B, NONE, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
@@ -13,8 +13,6 @@ from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
 from drystone.law.columns import BROKEN, DILATION, KN, KS, SHEAR, TENSION
-
-Array = NDArray[np.float64]
 
 
 def search(work: Workspace) -> None:

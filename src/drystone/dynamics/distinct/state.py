@@ -7,8 +7,8 @@ from functools import cached_property
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import (
     DISTINCT_TOLERANCE,
     LOCAL_DAMPING,
@@ -24,10 +24,6 @@ from drystone.engines.prepared import Prepared
 from drystone.law.bonds import built_open
 from drystone.law.columns import BROKEN, N_HISTORY
 from drystone.model.ties import TieState
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.masses import masses, search_reach
 from drystone.dynamics.distinct.state import DistinctSettings, DistinctState
@@ -14,8 +14,6 @@ from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.engines.base import StepReport
 from drystone.engines.measures import LoadArrays
 from drystone.statics.tie_forces import TieForces
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,8 +13,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
     ARM_A,
@@ -36,8 +36,6 @@ from drystone.contact.contacts import (
 from drystone.law.branches import OPEN
 from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
-
-Array = NDArray[np.float64]
 
 #: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
 #: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet

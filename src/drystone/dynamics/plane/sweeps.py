@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
 from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
 from drystone.dynamics.sweeps import add_block, push, relative
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.impulse import branch_of_impulse, impulse_in, local_impulse, projected_impulse
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Numbers beside the branch that say how a contact slides: none.
 N_SLIP = 0

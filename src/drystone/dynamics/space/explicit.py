@@ -29,8 +29,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
     ARM_A_3,
@@ -54,8 +54,6 @@ from drystone.geometry.rotation import fill_rotation, rotated, spin
 from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
-
-Array = NDArray[np.float64]
 
 #: Columns of `explicit.FrozenContacts.shape`, of vectors the first: point of the other body, place,
 #: normal and first tangent of the plane, design's vector from the place to the point [m]; gap as

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import (
     FAR_ENOUGH,
     FIRST_BARRIER,
@@ -30,8 +30,6 @@ from drystone.dynamics.sweeps import ContactProblem, momentum_defect
 from drystone.law import cones as kernels
 from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
 from drystone.statics.tie_forces import TieImpulses
-
-Array = NDArray[np.float64]
 
 #: Most iterations, and after how many the barrier is low, or there is nothing to be found.
 ITERATIONS, PATIENCE = 40, 30

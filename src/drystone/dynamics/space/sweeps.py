@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
 from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
@@ -16,9 +16,6 @@ from drystone.law.impulse import (
     local_impulse_in_space,
     projected_impulse_in_space,
 )
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Columns of how a contact slides: direction of its friction, and what of a change of the trial
 #: impulse across it is one of the impulse.

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import ROUNDING, STRAIGHT_EDGE
 from drystone.geometry import GeometryError
 from drystone.geometry.interfaces import Interfaces
@@ -16,10 +16,6 @@ from drystone.geometry.plane.corners import Points, shared_points
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.plane.parts import parts_of
 from drystone.geometry.plane.straight_edges import Loads, Straightened, straightened
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: How often the distance is doubled within which corners are looked for.
 FINEST = 5

@@ -16,15 +16,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import EDGE_END, SUMS
 from drystone.geometry.plane.outlines import Outlines, along_and_off
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,12 +12,9 @@ from functools import cached_property
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import TOUCHING
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Pairs treated as one array, to bound the memory it takes.
 AT_ONCE = 1 << 16
@@ -121,7 +118,7 @@ class Outlines:
             depth[rows] = -np.maximum(_separation(p, q), _separation(q, p))
         return depth
 
-    def touching(self, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
+    def touching(self, a: IntArray, b: IntArray) -> BoolArray:
         """Whether the parts of each pair touch, at a corner at least."""
         return self.overlap_depths(a, b) >= -TOUCHING * self.pair_size(a, b)
 

@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.ranges import too_many
 from drystone.common.tolerances import DEGENERATE, NEEDLE, SEAM
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.polygon import check_outline, reflex_corners, signed_area
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def convex_outlines(vertices: Array) -> list[Array]:
@@ -81,7 +78,7 @@ class _Cut:
     needle: bool
 
 
-def _cuts(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
+def _cuts(piece: _Piece, reflex: IntArray, near: float) -> list[_Cut]:
     """All cuts of a piece that begin at a reflex corner."""
     p = piece.vertices
     found = []
@@ -95,7 +92,7 @@ def _cuts(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
     return found
 
 
-def _cuts_across(piece: _Piece, reflex: NDArray[np.int64], near: float) -> list[_Cut]:
+def _cuts_across(piece: _Piece, reflex: IntArray, near: float) -> list[_Cut]:
     """Cuts from reflex corners, across the line between their neighbours."""
     p = piece.vertices
     found = []

@@ -10,12 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import DEGENERATE
 from drystone.geometry import GeometryError
-
-Array = NDArray[np.float64]
 
 
 def _following(rows: Array) -> Array:
@@ -68,7 +66,7 @@ def check_outline(vertices: Array) -> bool:
     return convex
 
 
-def reflex_corners(vertices: Array) -> NDArray[np.bool_]:
+def reflex_corners(vertices: Array) -> BoolArray:
     """Whether an outline turns clockwise at each vertex, (n,), by more than rounding."""
     return np.asarray(_preceding(_turns(vertices)) < -_rounding(vertices))
 
@@ -169,7 +167,7 @@ def bends(vertices: Array) -> Array:
     return np.where(between, off / np.where(length > 0.0, length, 1.0), np.inf)
 
 
-def turning(vertices: Array, near: float) -> NDArray[np.int64]:
+def turning(vertices: Array, near: float) -> IntArray:
     """Rows of the vertices that bend an outline; the others lie amid straight edges, within
     ``near`` [m].
 

@@ -16,17 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import LAST_DIGIT, OFF_LINE, ROUNDING, SPARE_IN_LINE
 from drystone.geometry.links import components
 from drystone.geometry.plane.corners import Points
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 MOST_ITERATIONS = 12
 

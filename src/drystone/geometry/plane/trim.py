@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.tolerances import NO_OVERLAP, ROUNDING
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.plane.parts import parts_of
 from drystone.geometry.plane.polygon import check_convex
 from drystone.geometry.space.solid import Part
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def trimmed(

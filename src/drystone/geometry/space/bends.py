@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import FOLDED, ROUNDING
 from drystone.geometry.space.flatness import flat_pieces, triangles
 from drystone.geometry.space.meshes import Mesh, face_normals, unevenness
 
-Array = NDArray[np.float64]
 Loop = tuple[int, ...]
 
 
@@ -101,12 +100,12 @@ def _crosses(vertices: Array, fan: Sequence[Loop], others: Sequence[Loop]) -> bo
     return _pierces(vertices, _edges(one), other) or _pierces(vertices, _edges(other), one)
 
 
-def _edges(loops: NDArray[np.int64]) -> NDArray[np.int64]:
+def _edges(loops: IntArray) -> IntArray:
     pairs = np.concatenate([loops[:, [i, (i + 1) % 3]] for i in range(3)])
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def _pierces(vertices: Array, edges: NDArray[np.int64], loops: NDArray[np.int64]) -> bool:
+def _pierces(vertices: Array, edges: IntArray, loops: IntArray) -> bool:
     """Whether an edge goes through a triangle with which it has no corner in common."""
     start = vertices[edges[:, 0]][:, None]
     way = vertices[edges[:, 1]][:, None] - start

@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
+
 Point = tuple[float, float, float]
 Loop = tuple[int, ...]
 

@@ -7,13 +7,12 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import SAME_DIRECTION
 from drystone.geometry.space.meshes import Mesh, edges_of, face_normals
 from drystone.geometry.space.solid import plane_axes
 
-Array = NDArray[np.float64]
 Loop = tuple[int, ...]
 Place = Array | Sequence[float]  # of two coordinates
 

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.tolerances import MENDED_FLAT, ONE_FACE, ROUNDING, SAME_POINT, TILTED, WELDED
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import FANS, Mended
@@ -37,10 +37,6 @@ from drystone.geometry.space.meshes import (
 from drystone.geometry.space.neighbours import meeting_faces, vertices_in_faces
 from drystone.geometry.space.planes import Incidences, fitted_planes, onto_planes
 from drystone.geometry.space.solid import Faces, volume_of
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: How bent faces were cut, as the end of sentences.
 FANNED, BENT = "into fans from their first corners", "along their bends"

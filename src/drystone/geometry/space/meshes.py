@@ -12,16 +12,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import ON_ITSELF
 from drystone.geometry import GeometryError
 from drystone.geometry.space.solid import Faces, size_of, volume_of
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Edge = tuple[int, int]
 
 #: Open edges that a message names.

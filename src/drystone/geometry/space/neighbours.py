@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import ALONG_PLANE, WIDE
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.space.meshes import Mesh, face_normals
 from drystone.geometry.space.parts import convex_pieces
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.solid import plane_axes
-
-Array = NDArray[np.float64]
 
 
 def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, int, int]]:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.common.tolerances import DEGENERATE, FLAT, PART_DEGENERATE, SEAM, SNAP
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.parts import convex_outlines
@@ -26,9 +26,6 @@ from drystone.geometry.space.solid import (
     size_of,
     unevenness,
 )
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def convex_parts(vertices: Array, faces: Faces, tolerance: float = FLAT) -> list[Part]:

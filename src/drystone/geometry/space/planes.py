@@ -11,15 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import BETTER, FIXED_VERTEX, SPARE, SUMS
 from drystone.geometry.space.solid import plane_axes
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOST_ITERATIONS = 12
 
@@ -74,7 +71,7 @@ def fitted_planes(vertices: Array, incidences: Incidences) -> Fit:
     )
 
 
-def onto_planes(vertices: Array, incidences: Incidences, fixed: NDArray[np.bool_]) -> Array:
+def onto_planes(vertices: Array, incidences: Incidences, fixed: BoolArray) -> Array:
     """Vertices (n, 3) [m] moved into their planes.
 
     Parameters

@@ -8,12 +8,9 @@ from functools import cached_property
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import TOUCHING
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,7 +170,7 @@ class Polyhedra:
         """Depths of pairs that were asked for: checks and inspections ask for the same ones."""
         return {}
 
-    def touching(self, a: IntArray, b: IntArray) -> NDArray[np.bool_]:
+    def touching(self, a: IntArray, b: IntArray) -> BoolArray:
         """Whether the parts of each pair touch, at a corner at least."""
         return self.overlap_depths(a, b) >= -TOUCHING * self.pair_size(a, b)
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import PARALLEL_EDGES, ROUNDING, TOUCHING
 
 if TYPE_CHECKING:
     from drystone.geometry.space.polyhedra import Polyhedra
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def overlap_depths(solids: Polyhedra, a: IntArray, b: IntArray) -> Array:

@@ -13,14 +13,12 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import ALIGNED, DEGENERATE, FLAT, NOBODYS_EDGE, ROUNDING, TINY
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.polygon import check_outline
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Faces = tuple[tuple[int, ...], ...]
 
 #: Vertices of solids whose planes are kept for who asks again.

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import NO_OVERLAP, ROUNDING
 from drystone.geometry.space.cells import below, cell_of, heights, packed
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.separation import separating_axis
 from drystone.geometry.space.solid import Part, size_of
-
-Array = NDArray[np.float64]
 
 
 def trimmed(

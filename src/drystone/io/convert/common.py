@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.control import PublishedSettings
 from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
@@ -19,8 +19,6 @@ from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import printable
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
 
 #: Settings of the published strategy that the files carry, with what each is.
 STRATEGY = {

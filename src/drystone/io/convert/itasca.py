@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.space.solid import Faces
 from drystone.io.convert.common import (
     STRATEGY,
@@ -31,8 +31,6 @@ from drystone.model.assembly import GRAVITY, Assembly, Block, Corner
 from drystone.model.construction.model import make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
-
-Array = NDArray[np.float64]
 
 #: Letters after which a line is continued.
 WIDTH = 78

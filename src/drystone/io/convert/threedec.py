@@ -9,9 +9,7 @@ right corner, which leaves the contact points where rounding would have them.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array
 from drystone.geometry.plane import polygon
 from drystone.io.convert import itasca, threedec_solids
 from drystone.io.convert.common import (
@@ -29,8 +27,6 @@ from drystone.io.convert.common import (
 )
 from drystone.model.assembly import GRAVITY, Assembly, Corner
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
 
 PROGRAM = "3DEC"
 

@@ -10,13 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.space.solid import Faces, Part
 from drystone.io.convert import itasca
 from drystone.io.convert.common import number
-
-Array = NDArray[np.float64]
 
 #: All velocities to zero: 3DEC's own, of solids and of prisms over a plane model.
 STOP_BLOCKS = """\

@@ -7,8 +7,8 @@ of the arc: in a right corner the two are the same.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry.plane import polygon
 from drystone.io.convert import itasca
 from drystone.io.convert.common import (
@@ -23,8 +23,6 @@ from drystone.io.convert.common import (
 from drystone.model.assembly import GRAVITY, Assembly, Corner
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
-
-Array = NDArray[np.float64]
 
 PROGRAM = "UDEC"
 #: Rounding that stands for sharp corners, over the shortest edge.

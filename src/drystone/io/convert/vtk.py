@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import in_space
 from drystone.io.convert.common import Written, materials, number
 from drystone.io.results import vtu
@@ -55,7 +56,7 @@ def write(model: Model, name: str = "") -> Written:
 
 def _legacy(
     title: str,
-    points: NDArray[np.float64],
+    points: Array,
     polygons: list[list[int]],
     data: Mapping[str, NDArray[Any]],
 ) -> str:
@@ -78,9 +79,9 @@ def _legacy(
 
 
 def _xml(
-    points: NDArray[np.float64],
+    points: Array,
     cells: str,
-    body: NDArray[np.int64],
+    body: IntArray,
     data: Mapping[str, NDArray[Any]],
 ) -> Written:
     text = vtu.vtu_text(

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry import GeometryError
 from drystone.geometry.figure import Figure
 from drystone.geometry.mended import Mended
@@ -24,8 +24,6 @@ from drystone.io.drawings.settings import ImportSettings
 from drystone.model.assembly import Block
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import listed, millimetres, quoted, suggestion
-
-Array = NDArray[np.float64]
 
 #: Thickness given to a support that is drawn as a flat outline, over its shortest edge.
 PLATE = 0.1

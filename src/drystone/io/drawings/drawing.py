@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.ranges import LARGEST, too_many
 from drystone.geometry.space.meshes import Mesh, shells
 from drystone.geometry.space.solid import Faces
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
-
-Array = NDArray[np.float64]
 
 #: Metres of each unit that a file may be drawn in.
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.tolerances import ONE_FACE, ROUNDING, SAME_POINT, WELDED
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
@@ -15,8 +15,6 @@ from drystone.geometry.plane.closing import closed
 from drystone.geometry.plane.trim import trimmed
 from drystone.io.drawings.drawing import Shape
 from drystone.model.assembly import Block
-
-Array = NDArray[np.float64]
 
 
 def mended_outlines(

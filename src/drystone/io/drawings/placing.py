@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.builders.placing import turn_of
-
-Array = NDArray[np.float64]
 
 
 def turned_up(vertices: Array, up: str) -> Array:

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry import GeometryError
 from drystone.geometry.plane import polygon
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Faces, Part
 from drystone.io.modelfile.schema import BlockSection, ShapeSection
 from drystone.io.modelfile.sentences import place_of
-
-Array = NDArray[np.float64]
 
 #: Keys that say what shape a block has: one of them each.
 SHAPES = {2: ("vertices", "parts"), 3: ("vertices", "box", "outline", "parts")}

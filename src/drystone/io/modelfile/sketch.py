@@ -12,9 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.dimension import dimension_of
 from drystone.geometry.mended import Mended
 from drystone.io.drawings.settings import ImportSettings
@@ -27,9 +25,6 @@ from drystone.model.construction.errors import ModelError
 from drystone.model.construction.fit import DRAWING_TOLERANCE
 from drystone.model.construction.model import assembly_of
 from drystone.model.joint_law import JointLaw
-
-IntArray = NDArray[np.int64]
-Array = NDArray[np.float64]
 
 #: Material of blocks that say none; of a weight that nobody sees.
 STONE = {"unit_weight": 1.0}

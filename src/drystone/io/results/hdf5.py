@@ -44,6 +44,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
 from drystone.io.modelfile import model_to_dict
@@ -58,8 +59,6 @@ from drystone.model.model import Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.curve import BlockLeft, CapacityCurve, CurvePoint, TieRecord
 from drystone.results.shapes import MovingShapes
-
-Array = NDArray[np.float64]
 
 #: Status of a run that has not ended, or that was killed.
 RUNNING = "running"
@@ -456,7 +455,7 @@ class ResultsReader:
             for name, step, place in zip(names, steps, places, strict=True)
         )
 
-    def groups(self) -> dict[str, NDArray[np.int64]]:
+    def groups(self) -> dict[str, IntArray]:
         """Rows of the blocks of each group, ascending; none of older files."""
         if "groups" not in self._file:
             return {}
@@ -514,7 +513,7 @@ class ResultsReader:
 
         return contacts
 
-    def n_contacts(self) -> NDArray[np.int64]:
+    def n_contacts(self) -> IntArray:
         """Contact points at every point, (n_points,)."""
         return np.diff(self._offset)
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.contact.forces import ContactForces
 from drystone.geometry import motion
 from drystone.geometry.motion import in_space
@@ -22,8 +22,6 @@ from drystone.io.results.outputs import Finished, Output
 from drystone.model.assembly import Assembly
 from drystone.results.curve import CurvePoint
 from drystone.results.shapes import MovingShapes, compliance, moving_blocks
-
-Array = NDArray[np.float64]
 
 #: Grids written of one curve, about; a curve may have thousands of points.
 MOST_FRAMES = 100

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import in_space
 
 #: Cell types of VTK.
@@ -53,7 +54,7 @@ def field_value(name: str, value: float) -> str:
     )
 
 
-def cells(connectivity: NDArray[np.int64], offsets: NDArray[np.int64], kind: int) -> str:
+def cells(connectivity: IntArray, offsets: IntArray, kind: int) -> str:
     """Cells of one kind; cell ``i`` ends before entry ``offsets[i]`` of the connectivity."""
     return (
         data_array("connectivity", connectivity)
@@ -63,10 +64,10 @@ def cells(connectivity: NDArray[np.int64], offsets: NDArray[np.int64], kind: int
 
 
 def polyhedra(
-    offset: NDArray[np.int64],
-    rows: NDArray[np.int64],
-    face_offset: NDArray[np.int64],
-    part_faces: NDArray[np.int64],
+    offset: IntArray,
+    rows: IntArray,
+    face_offset: IntArray,
+    part_faces: IntArray,
 ) -> str:
     """Cells that are polyhedra, packed as in `geometry.space.polyhedra.Polyhedra`.
 
@@ -95,7 +96,7 @@ def polyhedra(
 def write_vtu(
     path: Path,
     *,
-    points: NDArray[np.float64],
+    points: Array,
     n_cells: int,
     cells: str,
     point_data: Iterable[str] = (),
@@ -116,7 +117,7 @@ def write_vtu(
 
 def vtu_text(
     *,
-    points: NDArray[np.float64],
+    points: Array,
     n_cells: int,
     cells: str,
     point_data: Iterable[str] = (),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.arch import voussoirs_of
 from drystone.model.builders.base import AlongY, Builder, Count, Length, Lengths, Metres, WholeUnit
@@ -19,8 +19,6 @@ from drystone.model.builders.spandrel import Spandrel
 from drystone.model.builders.stones import Mason, positive, unit_problems
 from drystone.model.builders.strip import Strip
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 
 # Many, each a key of model files.

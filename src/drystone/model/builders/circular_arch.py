@@ -6,12 +6,10 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 
 def circular_arch(

@@ -6,8 +6,8 @@ import math
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Choice
 from drystone.geometry.space.solid import Faces
 from drystone.model.assembly import Block
@@ -16,8 +16,6 @@ from drystone.model.builders.profile import CurveName, half_curve, shape_problem
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
-
-Array = NDArray[np.float64]
 
 BONDS = ("running", "stack")
 _HEXAHEDRON = ((3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))

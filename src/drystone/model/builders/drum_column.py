@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
 from drystone.model.builders.base import Builder, Count, Length, Metres, Pair, WholeNumber
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 
 # Many, each a key of model files.

@@ -6,16 +6,14 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.base import Builder, Count, Length, Metres, YesOrNo
 from drystone.model.builders.coursing import Bond, Line
 from drystone.model.builders.profile import Joints, ring
 from drystone.model.builders.stones import Mason, positive
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 WEBS = ("east", "north", "west", "south")  # turned by a quarter from one to the next
 CORNERS = ("northeast", "northwest", "southwest", "southeast")

@@ -12,11 +12,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.builders.coursing import Line, Void
-
-Array = NDArray[np.float64]
 
 #: Points as near as this share of the plan's size are one.
 SAME = 1e-6

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.coursing import Bond, Line
 from drystone.model.builders.stones import Mason
 from drystone.model.builders.strip import Strip
-
-Array = NDArray[np.float64]
 
 #: Height of a springing joint, over its length, that counts as none.
 LEVEL = 1e-9

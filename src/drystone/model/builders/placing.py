@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.stones import Mason
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 #: A base is this share of the structure's longest side wider all around, and thick.
 BASE = 0.1

@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.common.keys import Tables, Whole
 from drystone.model.assembly import Block
@@ -43,8 +42,6 @@ from drystone.model.builders.stones import (
 from drystone.model.builders.strip import Strip
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted, suggestion
-
-Array = NDArray[np.float64]
 
 SIDES = ("south", "east", "north", "west")
 

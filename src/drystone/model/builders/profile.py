@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Choice
 from drystone.model.builders.stones import check_count, positive
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
 
-Array = NDArray[np.float64]
 #: Point and outward normal at a share of the length of a curve, each (2,).
 Curve = Callable[[float], tuple[Array, Array]]
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Whole
 from drystone.model.assembly import Block
 from drystone.model.builders.base import AlongY, Builder, Metres, Pair
 from drystone.model.builders.stones import Mason, check_count, positive
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 #: Edges shorter than this share of a stone are taken out.
 SHORT = 0.12

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.coursing import Bond, Line
 from drystone.model.builders.stones import Depth, Mason, rectangle
-
-Array = NDArray[np.float64]
 
 #: Width, over that of a unit, under which level ground between two arches is none.
 NOTHING = 1e-6

@@ -6,14 +6,12 @@ import math
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Block
 from drystone.model.builders.base import AlongY, Builder, Count, FromZero, Length, WholeNumber
 from drystone.model.builders.stones import Mason, at_least, positive
 from drystone.model.construction.errors import ModelError
-
-Array = NDArray[np.float64]
 
 #: Share of a stone's area that the ground must leave of it.
 LEAST = 0.05

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.ranges import LARGEST
 from drystone.geometry.plane.parts import convex_outlines
 from drystone.geometry.plane.polygon import reflex_corners
@@ -21,7 +21,6 @@ from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Block
 from drystone.model.construction.errors import ModelError
 
-Array = NDArray[np.float64]
 Depth = tuple[float, float] | None
 
 #: Share of a unit, or of a course, by which a length may miss a whole number of them.

@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.model.assembly import Block
 from drystone.model.builders.coursing import Bond, Line, Void, between
 from drystone.model.builders.openings import Hole
 from drystone.model.builders.stones import Mason, rectangle
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

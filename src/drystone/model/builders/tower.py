@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.common.keys import Choice
 from drystone.model.assembly import Block
@@ -24,8 +23,6 @@ from drystone.model.builders.stones import (
 )
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
-
-Array = NDArray[np.float64]
 
 SHAPES = ("round", "square")
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.names import there_is_no
 from drystone.common.vectors import unit_vector
 from drystone.model.assembly import Assembly
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
 from drystone.model.monitor import ControlPoint
-
-Array = NDArray[np.float64]
 
 #: Relative size under which two heights are the same, or a point is on an outline.
 SAME = 1e-6
@@ -105,7 +103,7 @@ def _default_block(assembly: Assembly, load_direction: Array) -> int:
     return int(min(movable[equal], key=lambda row: tuple(assembly.centroid[row])))
 
 
-def _highest_furthest(height: Array, reach: Array, extent: Array) -> NDArray[np.int64]:
+def _highest_furthest(height: Array, reach: Array, extent: Array) -> IntArray:
     """Indices of the highest, of those the furthest; equal within a part of the extent (n, dim)."""
     tolerance = SAME * np.ptp(extent, axis=0).max()
     high = np.flatnonzero(height >= height.max() - tolerance)

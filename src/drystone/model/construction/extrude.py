@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.geometry import GeometryError
 from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
@@ -14,8 +14,6 @@ from drystone.model.assembly import Assembly, Block
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.model.monitor import ControlPoint
-
-Array = NDArray[np.float64]
 
 
 def extruded(model: Model, *, points: int = 4) -> Model:

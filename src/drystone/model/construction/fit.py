@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import FLAT
 from drystone.geometry.dimension import dimension_of
 from drystone.geometry.interfaces import Interfaces
@@ -28,9 +28,6 @@ from drystone.geometry.space import solid
 from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Block
 from drystone.model.construction.words import listed, millimetres
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Share of the smallest edge up to which gaps and overlaps are those of a drawing.
 DRAWING_TOLERANCE = 1e-3
@@ -150,7 +147,7 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     ], (note,)
 
 
-def _closed(outlines: Outlines, fixed: NDArray[np.bool_], distance: float) -> tuple[Array, int]:
+def _closed(outlines: Outlines, fixed: BoolArray, distance: float) -> tuple[Array, int]:
     """Vertices with all joints closed that are open or overlap by up to ``distance`` [m].
 
     And how many joints there were of that kind.
@@ -197,7 +194,7 @@ def _closed(outlines: Outlines, fixed: NDArray[np.bool_], distance: float) -> tu
 
 
 def _corners(
-    normal: Array, level: Array, altered: NDArray[np.bool_], before: IntArray, start: Array
+    normal: Array, level: Array, altered: BoolArray, before: IntArray, start: Array
 ) -> Array:
     """Where each edge's line meets that of the edge before it; on the altered one if straight."""
     p, q = normal[before], normal

@@ -6,9 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drystone.common.names import quoted, there_is_no
 from drystone.common.ranges import LARGEST, problem, too_many
 from drystone.common.vectors import unit_vector
@@ -36,8 +33,6 @@ from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
 from drystone.model.site import AssessmentInput, Site
 from drystone.model.ties import Tie, problems_of
-
-Array = NDArray[np.float64]
 
 #: Cosine of the angle between load and control direction that counts as none.
 AGAINST = 1e-9

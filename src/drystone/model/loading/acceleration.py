@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Key, Tables, Vector
 from drystone.common.language import say
 from drystone.common.ranges import RANGES
@@ -17,8 +17,6 @@ from drystone.model.loading.base import NO_MASSES, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.forces import leading
 from drystone.model.loading.targets import TARGET_KEYS, Target
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

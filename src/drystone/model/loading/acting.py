@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import DeadLoad, LoadPattern, masses_of
 from drystone.model.loading.dead_forces import DeadForces
-
-Array = NDArray[np.float64]
 
 #: Share of the sizes of a pattern's forces below which their sum is none.
 NO_RESULTANT = 1e-6
@@ -46,7 +44,7 @@ class Acting:
         dead_loads: Sequence[DeadLoad] = (),
         *,
         stage: int | None = None,
-        departed: NDArray[np.bool_] | None = None,
+        departed: BoolArray | None = None,
     ) -> Acting:
         """Of an assembly without the blocks that are ``departed`` (n,).
 

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Direction, Key
 from drystone.common.language import say
 from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
-
-Array = NDArray[np.float64]
 
 
 class Scale(Protocol):

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import Scale
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.faces import Traction, faces_towards, has_faces
 from drystone.model.loading.targets import CENTRE, PointForce, Target
-
-Array = NDArray[np.float64]
 
 #: Angle to a side up to which faces look there [degrees], where nothing is said.
 WITHIN = 45.0

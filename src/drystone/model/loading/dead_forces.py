@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.motion import (
     about_own_axes,
     axial,
@@ -22,8 +22,6 @@ from drystone.geometry.motion import (
     translations,
 )
 from drystone.model.assembly import Assembly
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,7 +40,7 @@ class DeadForces:
 
     @classmethod
     def at_points(
-        cls, assembly: Assembly, body: NDArray[np.int64], point: Array, force: Array
+        cls, assembly: Assembly, body: IntArray, point: Array, force: Array
     ) -> DeadForces:
         """Forces (m, dim) [N] at points (m, dim) [m], as designed, of the blocks ``body`` (m,)."""
         dim = assembly.dimension
@@ -64,7 +62,7 @@ class DeadForces:
 
     __rmul__ = __mul__
 
-    def without(self, rows: NDArray[np.bool_]) -> DeadForces:
+    def without(self, rows: BoolArray) -> DeadForces:
         """Those on all blocks but some, (n,)."""
         force = np.where(rows[:, None], 0.0, self.force)
         lever = None if self.lever is None else np.where(rows[:, None, None], 0.0, self.lever)

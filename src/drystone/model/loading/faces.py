@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry.patches import (
     below,
     faces_known,
@@ -22,9 +22,6 @@ from drystone.geometry.patches import (
 )
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

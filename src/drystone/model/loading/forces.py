@@ -9,8 +9,8 @@ from operator import add
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import BlockPoint, Key, Tables, Vector
 from drystone.common.language import say
 from drystone.common.ranges import RANGES
@@ -18,8 +18,6 @@ from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.targets import CENTRE, TARGET_KEYS, PointForce
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

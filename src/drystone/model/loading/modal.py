@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.errors import ModelError
 from drystone.common.names import listed
 from drystone.common.tolerances import BUILT_SHUT
@@ -28,9 +28,6 @@ from drystone.model.loading.dead_forces import DeadForces
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Modes that are looked at, and degrees of freedom up to which all are.
 MODES, ALL_UP_TO = 20, 60

@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.common.keys import Key, Text
 from drystone.common.names import quoted, there_is_no
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import Scale
 from drystone.model.loading.dead_forces import DeadForces
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Points of a block that have names: its centroid, the middle of its highest vertices.
 CENTRE, TOP = "centre", "top"

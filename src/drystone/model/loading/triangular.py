@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.keys import Key, Number
 from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

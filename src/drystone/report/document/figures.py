@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drystone.assessment.spectra.base import Spectrum
+from drystone.common.arrays import Array
 from drystone.common.language import number, spoken
 from drystone.model.assembly import GRAVITY
 from drystone.model.ties import ELASTIC
@@ -25,7 +25,6 @@ from drystone.results.curve import DYNAMIC, CapacityCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 #: Width of the page's text [inches], so that letters keep their size.
 WIDE = 6.7

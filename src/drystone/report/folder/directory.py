@@ -9,9 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array
 from drystone.contact.forces import ContactForces
 from drystone.io.results.checkpoint import CheckpointWriter
 from drystone.io.results.folder import (
@@ -38,7 +36,6 @@ from drystone.results.curve import CapacityCurve, CurvePoint
 if TYPE_CHECKING:
     from drystone.common.aside import Aside
 
-Array = NDArray[np.float64]
 
 #: Seconds before a checkpoint, from the begin of the run or the checkpoint before: at least these,
 #: and as many times those that one takes, so that they cost a hundredth of the run; at most those,

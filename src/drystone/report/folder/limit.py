@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.common.version import package_version
 from drystone.geometry.motion import rotations
 from drystone.io.results.folder import check_apart, locked
@@ -17,8 +17,6 @@ from drystone.limit import FLOWS, Collapse
 from drystone.model.model import Model
 from drystone.report import Mechanism, canvas, draw_mechanism
 from drystone.results.shapes import MovingShapes
-
-Array = NDArray[np.float64]
 
 LIMIT, MECHANISM = "limit.json", "mechanism"
 #: The fastest vertex is drawn this share of the structure's size away from where it was.

@@ -9,13 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drystone.common.arrays import Array, IntArray
 from drystone.common.names import Named
 from drystone.contact.forces import ContactForces
 from drystone.io.results.folder import OutputError
-from drystone.io.results.hdf5 import RUNNING, Array, ResultsReader
+from drystone.io.results.hdf5 import RUNNING, ResultsReader
 from drystone.io.results.names import RESULTS, SUMMARY
 from drystone.io.results.summary import summarise
 from drystone.model.model import Model
@@ -87,7 +85,7 @@ class Results:
     """What was analysed; None where this version cannot read its description."""
     summary: dict[str, Any]
     """Of ``summary.json``, or of what there is so far."""
-    groups: dict[str, NDArray[np.int64]]
+    groups: dict[str, IntArray]
     """Rows of the blocks of each group, as ``model.assembly.groups``."""
     sha256: str = ""
     """Digest of the model that was traced."""

@@ -9,14 +9,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.geometry import GeometryError
 from drystone.geometry.plane.parts import convex_outlines
 from drystone.geometry.space.polyhedra import Polyhedra
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Normals and corners that agree to this share of a block's size are the same.
 SAME = 1e-6

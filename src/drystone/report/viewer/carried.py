@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array
 from drystone.model.model import Model
 from drystone.model.ties import TieEnd, names_of
 from drystone.report.load_arrows import dead_arrows
 from drystone.report.viewer.codec import Pack
 from drystone.results.curve import CapacityCurve
-
-Array = NDArray[np.float64]
 
 
 def header_of(model: Model, origin: Array) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drystone.common.arrays import Array
 
 #: How hard deflate tries: 9 takes thrice as long for a hundredth less.
 LEVEL = 6

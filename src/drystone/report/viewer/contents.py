@@ -23,8 +23,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import Saying, say
 from drystone.common.version import package_version
 from drystone.contact.forces import ContactForces
@@ -45,9 +45,6 @@ from drystone.report.viewer.bodies import Bodies
 from drystone.report.viewer.codec import Pack
 from drystone.report.viewer.joints import Assigned, Assigner, Joints, Resultants
 from drystone.results.curve import DYNAMIC, CapacityCurve
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 FORMAT = 1
 #: Numbers of a pack up to which they are floats; more are rounded to 16 bits.
@@ -234,7 +231,7 @@ class _Blocks:
     names: list[str]
     centroid: Array
     weight: Array
-    support: NDArray[np.bool_]
+    support: BoolArray
     bodies: Bodies
     packed: Outlines | Polyhedra | None  # convex parts, of which joints are found
     origin: Array

@@ -12,12 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.common.arrays import Array, IntArray
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import moved_points, places, rotated_back, tangents
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: State of a joint, in this order: nothing closed, all that is closed sticks, all of it slides,
 #: part of it is open.
