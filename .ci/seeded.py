@@ -1,5 +1,5 @@
 """A pytest plugin: of the tests asked for, those marked ``gate``, and one in DRYSTONE_ONE_IN of the
-others, chosen by DRYSTONE_SEED."""
+others but those marked ``long``, chosen by DRYSTONE_SEED."""
 
 import hashlib
 import os
@@ -13,6 +13,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     def is_chosen(item: pytest.Item) -> bool:
         if item.get_closest_marker("gate"):
             return True
+        if item.get_closest_marker("long"):
+            return False
         digest = hashlib.sha256(f"{seed} {item.nodeid}".encode()).digest()
         return int.from_bytes(digest[:8], "big") % one_in == 0
 

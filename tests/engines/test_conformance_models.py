@@ -398,7 +398,15 @@ def test_a_small_wall_of_solids_that_is_turned(engine):
 
 
 @pytest.mark.parametrize("engine", OWN)
-@pytest.mark.parametrize("push", [(1.0, 0.0), (0.8, 0.6), (0.0, 1.0)], ids=str)
+@pytest.mark.parametrize(
+    "push",
+    [
+        pytest.param((1.0, 0.0), marks=pytest.mark.slow),
+        (0.8, 0.6),
+        pytest.param((0.0, 1.0), marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
 def test_solids_of_two_parts(engine, push):
     """Every unit is two boxes side by side: on units that slide they meet other boxes."""
     model = pushed(extruded(with_corner(small_wall(), Corner())), push)

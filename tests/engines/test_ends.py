@@ -298,6 +298,7 @@ def test_what_carries_all_that_is_applied_is_at_rest_in_the_published_strategy()
     assert 0.4 / 0.9 - 0.006 <= curve.peak.load_multiplier <= 0.4 / 0.9 + 1e-3
 
 
+@pytest.mark.slow
 def test_a_far_equilibrium_below_the_stop_value_ends_no_curve():
     """Arch 333 stands on: a small step had found an equilibrium elsewhere, under a negative load.
 

@@ -206,6 +206,7 @@ def test_blocks_that_cannot_stand_are_named():
         (3, 0.325, 0.599),
     ],
 )
+@pytest.mark.long
 def test_the_published_walls(wall, peak, ultimate):
     """Peaks of LMGC90 in the plane without the bias of its overshoot, and where those runs of an
     overshoot of 1.01 ended (reference/README.md); 3 % and 5 % as three dimensions find other

@@ -106,6 +106,7 @@ class TestDistinct:
         assert dynamic.any() and curve.residual[dynamic].max() <= 1e-4
         assert curve.column("friction_violation")[dynamic].max() <= 1e-4
 
+    @pytest.mark.slow
     def test_they_change_nothing_at_rest(self, monkeypatch):
         """To the last bit: states are copied on the way, and the cycles go on as they would."""
 
@@ -135,6 +136,7 @@ class TestDistinct:
         )
         assert 0.05 < moved < 0.05 + 1.5 * BETWEEN_POINTS * 0.1
 
+    @pytest.mark.slow
     def test_what_a_broken_bond_lets_fall_is_followed(self):
         """Steps of bonds are made of several: points in motion of all of them are told.
 

@@ -84,7 +84,8 @@ def test_an_elevation_drawn_by_hand_has_the_joints_of_the_clean_one(seed):
     assert worst < off
 
 
-@pytest.mark.slow  # a minute
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("noise", NOISES)
 def test_forty_elevations_drawn_by_hand(noise):
     refused, other = [], []

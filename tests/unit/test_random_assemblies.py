@@ -161,7 +161,7 @@ def check(model, **options):
 
 @pytest.mark.parametrize("strategy", ["displacement", "published"])
 @given(model=models)
-@settings(max_examples=100)
+@settings(max_examples=40)
 def test_nscd(strategy, model):
     check(model, engine="nscd", strategy=strategy, max_steps=MAX_STEPS)
 
@@ -197,7 +197,7 @@ def check_equilibrium(model, max_steps):
 
 
 @given(model=models)
-@settings(max_examples=120)
+@settings(max_examples=50)
 def test_equilibrium(model):
     check_equilibrium(model, MAX_STEPS)
 

@@ -117,14 +117,14 @@ def test_every_pixel_shows_what_a_ray_meets_first(seed):
     packed = assembly.polyhedra
     camera = Camera.before(np.ones(3), np.array([0.3, -1.0, 0.0]))
     places = camera.seen(packed.vertices)
-    frame = Frame(low=np.array([-1.3, -1.3]), pixel=2.6 / 40, shape=(40, 40))
+    frame = Frame(low=np.array([-1.3, -1.3]), pixel=2.6 / 25, shape=(25, 25))
     faces = np.arange(len(packed.face_offset) - 1)
     seen = look(places, packed.rows, packed.face_offset, frame, faces)
     body = np.append(np.repeat(packed.body, np.diff(packed.part_faces)), NOTHING)[seen.face]
     expected = [
         [first_hit(assembly, places, frame.low + (np.array([j, i]) + 0.5) * frame.pixel)
-         for j in range(40)]
-        for i in range(40)
+         for j in range(25)]
+        for i in range(25)
     ]  # fmt: skip
     np.testing.assert_array_equal(body, expected)
     assert len(set(body.ravel().tolist())) > 5  # several are seen, and the paper

@@ -101,6 +101,7 @@ def apart(wall, points):
     return np.abs(forces(wall, points) / forces(wall, 2 * points) - 1.0).max()
 
 
+@pytest.mark.slow
 def test_contact_points_are_the_fewest_with_which_forces_converge():
     """Of one wall with the chosen number, and of the one that tells that half are too few."""
     assert (

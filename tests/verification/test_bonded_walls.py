@@ -80,7 +80,8 @@ def as_dry(model):
     )
 
 
-@pytest.mark.slow  # 15 s
+@pytest.mark.slow
+@pytest.mark.long
 def test_cycles_take_a_bonded_wall_as_far_as_a_dry_one():
     """What was torn and is not lost has its stiffness: left out of the masses, a block vibrated
     from one cycle to the next, and steps did not come to rest in a million."""
@@ -96,6 +97,7 @@ def test_cycles_take_a_bonded_wall_as_far_as_a_dry_one():
     assert peak == pytest.approx(ds.pushover(model).peak.load_multiplier, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_cycles_see_a_peak_that_is_sharper_than_the_parts_of_a_step():
     """It was 1.7 % low: means over tenths of the step to beyond it had shown none."""
     model = bonded_wall(6, 3)

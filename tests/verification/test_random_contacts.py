@@ -23,11 +23,14 @@ from touching import (
     used,
 )
 
+#: Parts of the random pairs; all of them take half a minute.
+BLOCKS = [0, 1, *(pytest.param(block, marks=pytest.mark.slow) for block in range(2, 6))]
+
 
 class TestRandomPairs:
     """Convex solids that press on each other, or all but touch, by any of their features."""
 
-    @pytest.mark.parametrize("block", range(6))
+    @pytest.mark.parametrize("block", BLOCKS)
     def test_gaps_equal_brute_force(self, block):
         """Each is the distance of its point from its plane, and the smallest that of the solids."""
         seen = set()
@@ -55,7 +58,7 @@ class TestRandomPairs:
             assert abs(slots.gap[used(slots)].min() - best) <= margin
         assert seen == {True, False}
 
-    @pytest.mark.parametrize("block", range(6))
+    @pytest.mark.parametrize("block", BLOCKS)
     def test_areas_add_up_to_the_overlap(self, block):
         for scene, slots in in_contact(30, 1000 + 100 * block, reach=np.inf):
             if not crossing_edges(scene, slots):
