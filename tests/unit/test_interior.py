@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -12,12 +15,25 @@ from drystone.model.assembly import Corner
 from drystone.model.builders import published_wall
 from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
+from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.solution import SolutionSettings
 
 pytestmark = pytest.mark.kernels
 
 #: Without the accelerator.
 WITHIN = EquilibriumSettings(solution=SolutionSettings(path=None))
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+
+
+class Counting(EquilibriumEngine):
+    """Counts the steps that are tried."""
+
+    steps = 0
+
+    def step(self, state, demand):
+        self.steps += 1
+        return super().step(state, demand)
 
 
 @pytest.mark.compiled
@@ -68,6 +84,49 @@ def test_curves_are_the_same_without_paths(number):
     at = by_path.peak.control_displacement * np.linspace(0.1, 1.5, 15)
     values = [np.interp(at, *points.T) for points in still]
     np.testing.assert_allclose(values[0], values[1], atol=6e-3 * peaks[0])
+
+
+@pytest.mark.compiled
+def test_a_path_that_is_soon_given_up_leads_to_the_same_curve():
+    """After five changes the interior-point method goes on; folds on the way stay known."""
+    soon = EquilibriumSettings(solution=SolutionSettings(path=PathSettings(changes=5)))
+    curves = [pushover(published_wall(3), engine=EquilibriumEngine(s)) for s in (None, soon)]
+    assert [curve.status for curve in curves] == ["finished", "finished"]
+    peaks = [curve.peak.load_multiplier for curve in curves]
+    assert peaks[1] == pytest.approx(peaks[0], rel=2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.gate
+@pytest.mark.compiled
+def test_paths_of_a_large_facade_cost_few_steps_more():
+    """Of 502 blocks, on the rising branch: paths that were followed however long they were, and
+    turned back at each stone that moved, had taken four times as many steps."""
+    model = runpy.run_path(str(BENCHMARKS / "walls.py"))["facade"](500)
+    assert model.assembly.n_blocks == 502
+    tried = []
+    for settings in (EquilibriumSettings(), WITHIN):
+        engine = Counting(settings)
+        pushover(model, engine=engine, max_displacement=0.03)
+        tried.append(engine.steps)
+    assert tried[0] <= 2.5 * tried[1]
+
+
+@pytest.mark.parametrize(
+    ("end", "slope_end", "drop"),
+    [
+        (0.8, 0.5, 0.0),  # it goes on along its slope at the end
+        (1.2, 0.5, 0.0),  # or along that at the start
+        (1.0, 0.5, 0.0),
+        (0.7, 0.5, 0.1),  # it has dropped
+        (1.5, 0.5, 0.3),  # or risen, to another branch
+        (0.7, np.nan, None),
+    ],
+)
+def test_a_drop_at_a_fold_is_what_no_slope_explains(end, slope_end, drop):
+    """A fold in the middle of a step of 0.8 m, at 0.6 from 0: the slope up to it is 1.5 /m."""
+    found = solution._drop((0.5, 0.6), 0.0, end, slope_end, 0.8)
+    assert found == (None if drop is None else pytest.approx(drop, abs=1e-12))
 
 
 def test_a_stack_finds_its_equilibrium_in_one_long_step():

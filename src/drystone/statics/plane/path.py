@@ -215,10 +215,12 @@ def _add_change(
 def _first_direction(structure, factors, bordered, prescribes, force, lag, spring):
     """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
     columns = bordered.columns[:3] if prescribes else bordered.columns[:1]
-    columns[0] = force
-    if prescribes:
-        columns[1], columns[2] = bordered.load, bordered.axis
-        columns[2] *= spring
+    for i in range(force.shape[0]):
+        for d in range(force.shape[1]):
+            columns[0, i, d] = force[i, d]
+            if prescribes:
+                columns[1, i, d] = bordered.load[i, d]
+                columns[2, i, d] = spring * bordered.axis[i, d]
     solve(structure, factors, columns)
     return solve_bordered(bordered, columns[0], lag) if prescribes else 0.0
 
@@ -265,6 +267,19 @@ def walk(box, count, x, progress, rules):
     return end
 
 
+@njit(cache=True, error_model="numpy")
+def _copy(blocks, into):
+    """Copy blocks of a matrix (n, n_dof, n_dof).
+
+    An assignment of arrays would take the compiler four seconds: it compiles what it would say of
+    shapes that do not fit.
+    """
+    for i in range(blocks.shape[0]):
+        for d in range(blocks.shape[1]):
+            for e in range(blocks.shape[2]):
+                into[i, d, e] = blocks[i, d, e]
+
+
 @njit(cache=True, error_model="numpy", inline="always")
 def _factorable(located, pieces, bordered, count, x, progress, rules):
     """Sum the forces and the matrix of the piece that the path is in."""
@@ -275,9 +290,9 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
         for d in range(n_dof):
             away[i, d] = x[i, d] - geometry[i, d]
     if progress[CHANGES] == 0.0:
-        pieces.geometric.diagonal[:, :, :] = pieces.others.diagonal
-        pieces.geometric.upper[:, :, :] = pieces.others.upper
-        pieces.geometric.lower[:, :, :] = pieces.others.lower
+        _copy(pieces.others.diagonal, pieces.geometric.diagonal)
+        _copy(pieces.others.upper, pieces.geometric.upper)
+        _copy(pieces.others.lower, pieces.geometric.lower)
         add_geometric_stiffness(located.slots, contacts, count, answer.reaction, pieces.geometric)
         which, rows, table = contacts
         move_trial(which, rows, table, count, away)
