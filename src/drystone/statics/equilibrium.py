@@ -670,11 +670,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             outcome,
             static_multiplier=outcome.static_multiplier if given else solved.multiplier,
             path=StepPath(
-                fold=solved.fold,
-                drop=solved.drop,
-                excess=solved.excess,
-                bend=solved.bend,
-                deviation=solved.deviation,
+                fold=solved.fold, excess=solved.excess, bend=solved.bend, deviation=solved.deviation
             ),
             dynamic=not self._at_rest(outcome),
             unstable=solved.unstable,

@@ -237,13 +237,11 @@ def solve(
         guess, multiplier, warm=unchanged, full_search=full_search, follows=follows
     ) and solver.update_contacts(settings.contact_updates)
     moved, reason = farthest(step.x), ""
-    stable, end, tangent, drop = True, math.nan, None, None
+    stable, end, tangent = True, math.nan, None
     if found and follows:
         stable, end, tangent = _judge(step, settings.stability)
         if not stable:
             fold = fold or (1.0, step.multiplier)
-        elif fold is not None:
-            drop = _drop(fold, multiplier, step.multiplier, end, increment)
     if not found:
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
@@ -260,7 +258,6 @@ def solve(
         multiplier=step.multiplier,
         n_iterations=solver.iterations,
         fold=fold,
-        drop=drop,
         excess=shape[0] if not reason else None,
         bend=shape[1] if not reason else None,
         deviation=farthest(step.x - guesses[1]) / moved if off else None,
@@ -289,23 +286,6 @@ def _nearest(step: StaticStep, guesses: Sequence[Array], multiplier: float) -> A
         step.respond()
         left.append(step.balance(step.reaction))
     return guesses[int(np.argmin(left))]
-
-
-def _drop(
-    fold: tuple[float, float], start: float, end: float, slope_end: float, increment: float
-) -> float | None:
-    """By how much the curve drops at least at a ``fold``, the share of the step and the multiplier
-    there; None where that is not known.
-
-    Behind the fold the curve goes on to its ``end`` with a slope between that of the path up to the
-    fold and that at the end.
-    """
-    share, there = fold
-    if not (math.isfinite(slope_end) and 0.0 < share < 1.0):
-        return None
-    left = (1.0 - share) / share
-    ends = end - left * (there - start), end - (1.0 - share) * slope_end * increment
-    return max(min(ends) - there, there - max(ends), 0.0)
 
 
 def _shape(

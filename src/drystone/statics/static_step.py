@@ -87,10 +87,8 @@ class StepSolution:
     increment: Array  # (n, n_dof)
     multiplier: float
     n_iterations: int
-    #: First fold of the path of equilibria: share of the step, and multiplier there; and by how
-    #: much the curve drops there at least, where another method than the path has led on.
+    #: First fold of the path of equilibria: share of the step, and multiplier there.
     fold: tuple[float, float] | None = None
-    drop: float | None = None
     #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None

@@ -44,9 +44,12 @@ class PathSettings:
     renewals: int = 12
     #: Changes of contacts after which the interior-point method takes over.  It needs some 25
     #: iterations, each of which costs as much as ten changes: solutions and a look at all contacts.
-    #: Range: from 100 to 5000 peaks of published walls are the same to 1e-6; facades of 500 and
-    #: 1,000 blocks take least time with 250 to 500.
+    #: Range: from 100 to 5000 peaks of published walls are the same to 1e-6; a facade of 1,000
+    #: blocks takes least time with 250 to 500.
     changes: int = 250
+    #: Likewise under a given load, for each contact that there is: there is no shorter step, and
+    #: the interior-point method finds fewer of them.
+    changes_under_load: float = 2.0
 
 
 # Long: one loop, in which each renewal of the gradients may end the step in its own way.
@@ -68,6 +71,7 @@ def follow(
     prescribed, accuracy, x = step.prescribed, step.accuracy, step.given
     start, reason, count = multiplier, "", 0
     follows = prescribed is not None or bool(step.given.any())
+    most = int(settings.changes_under_load * step.n) if prescribed is None else settings.changes
     begun = step.branch[: step.n].copy()
     step.evaluate(guess, multiplier)
     step.branch[: step.n] = begun
@@ -76,9 +80,7 @@ def follow(
     excess = bend = 0.0, 0.0
     for count in range(1, settings.renewals + 1):
         x = x.copy()
-        end, multiplier, changes = step.walk(
-            x, multiplier, whole=whole or count > 1, patience=settings.changes
-        )
+        end, multiplier, changes = step.walk(x, multiplier, whole=whole or count > 1, patience=most)
         if end == path.DONE and follows and not step.stable:
             end = path.FOLDED
         if end != path.DONE:
