@@ -271,8 +271,8 @@ def walk(box, count, x, progress, rules):
 def _copy(blocks, into):
     """Copy blocks of a matrix (n, n_dof, n_dof).
 
-    An assignment of arrays would take the compiler four seconds: it compiles what it would say of
-    shapes that do not fit.
+    An assignment of arrays would take the compiler seconds: it compiles the message about shapes
+    that do not fit.
     """
     for i in range(blocks.shape[0]):
         for d in range(blocks.shape[1]):
