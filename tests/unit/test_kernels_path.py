@@ -386,7 +386,7 @@ class TestRandomAssemblies:
                 if solved.fold is None:
                     continue
                 turned += 1
-                share, multiplier = solved.fold
+                share, multiplier, _ = solved.fold
                 for part in (0.5, 0.99, 1.01):
                     there = take(engine, state, part * share * increment, whole=False).solved
                     if part < 1.0:
@@ -394,7 +394,7 @@ class TestRandomAssemblies:
                         missing = (multiplier - there.multiplier) / (multiplier - state.multiplier)
                         assert 0.5 * (1.0 - part) < missing < 1.1 * (1.0 - part)
                     else:
-                        assert there.fold == pytest.approx((1.0 / part, multiplier), rel=1e-3)
+                        assert there.fold[:2] == pytest.approx((1.0 / part, multiplier), rel=1e-3)
         assert turned >= 5 * SEEDS // 12
 
 
@@ -547,7 +547,8 @@ class TestSnap:
         for size in (1.01, 1.5, 4.0):
             solved = take(engine, state, size * self.farthest, whole=False).solved
             assert solved.reason == "the path of equilibria turns back"
-            assert solved.fold == pytest.approx((1.0 / size, self.peak), rel=1e-3)
+            assert solved.fold[:2] == pytest.approx((1.0 / size, self.peak), rel=1e-3)
+            assert np.isnan(solved.fold.drop)
             # The implicit law knows of no turn: only that nothing is there.
             solved = take(engine, state, size * self.farthest, whole=True).solved
             assert (solved.reason, solved.fold) == ("the path of equilibria turns back", None)
@@ -572,13 +573,18 @@ class TestSnap:
                 [UNIT_WEIGHT * (self.lower + self.upper), -1.0],
             ]
         )
-        right = np.array([weight * self.width / 2, self.soft * displacement])
-        multiplier, _ = np.linalg.solve(equations, right)
+        right = np.array(
+            [2 * [weight * self.width / 2], [self.soft * displacement, self.soft * self.farthest]]
+        )
+        (multiplier, at_fold), _ = np.linalg.solve(equations, right)
         assert taken.solved.multiplier == pytest.approx(multiplier, rel=1e-3)
         if whole:
             assert taken.solved.fold is None
         else:
-            assert taken.solved.fold == pytest.approx((1.0 / 1.5, self.peak), rel=1e-3)
+            assert taken.solved.fold[:2] == pytest.approx((1.0 / 1.5, self.peak), rel=1e-3)
+            # At the displacement of the fold the block just leans on the stop.
+            drop = self.peak - at_fold
+            assert taken.solved.fold.drop == pytest.approx(drop, abs=2e-3 * self.peak)
 
 
 class TestSliding:

@@ -853,6 +853,10 @@ LEAST_PIVOT = 1e-13
 #: Sliding back by less than this share of the blocks' motion does not end sliding.  Not measured.
 SLOW = 1e-6
 
+#: Share of a step by which a path comes farther at least, if it does.  Derived: the rounding of the
+#: share in some hundred changes.
+NOTHING_FARTHER = 1e-12
+
 #: By how much a path may fall below its start before it has turned back.  Not measured.
 BELOW_START = 1e-3
 

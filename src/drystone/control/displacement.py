@@ -3,9 +3,9 @@
 Each static step prescribes an increment of the control displacement; the multiplier is an unknown
 of the step.  The next increment depends on the iterations that the last step took.
 
-A step may pass over a fold of the path of equilibria, where the path turns back, if the
-equilibrium that it finds lies near the continuation of the curve.  Else steps follow the path up to
-the fold, and one small step crosses it.  If that step finds no equilibrium, a block has come loose
+A step may pass over a fold of the path of equilibria, where the path turns back, if the multiplier
+hardly drops there and no block moves far by itself.  Else steps follow the path up to the fold, and
+one small step crosses it.  If that step finds no equilibrium, a block has come loose
 or the structure jumps to another shape.
 
 A jump is followed in motion.  The control displacement creeps on, and time steps are so short that
@@ -418,11 +418,13 @@ class DisplacementControl(Strategy[DisplacementState]):
             return True
         if report.path.fold is None or state.stage == CROSSING:
             return False
-        share, multiplier = report.path.fold
-        expected = state.last + state.slope * state.increment
-        if share > tolerances.FOLD_KNOWN:
-            expected = state.last + (multiplier - state.last) / share
-        return abs(report.static_multiplier - expected) > s.snap_share * self._scale(state)
+        share, multiplier, drop = report.path.fold
+        if math.isnan(drop):
+            expected = state.last + state.slope * state.increment
+            if share > tolerances.FOLD_KNOWN:
+                expected = state.last + (multiplier - state.last) / share
+            drop = expected - report.static_multiplier
+        return abs(drop) > s.snap_share * self._scale(state)
 
     def _falls_freely(self, report: StepReport) -> bool:
         """Whether the control point moves far without load within a step that ends at rest, and the
@@ -476,7 +478,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             state = self._in_motion(state)
         else:
             state = changed(state, n_since=0)
-            share = report.path.fold[0] if report.path.fold else 0.5
+            share = report.path.fold.share if report.path.fold else 0.5
             within = share < tolerances.FOLD_WITHIN
             shorter = tolerances.ALL_BUT * share if within else tolerances.SHORTER
             nearer = shorter * state.increment

@@ -29,7 +29,7 @@ from drystone.control.displacement import (
     DisplacementState,
 )
 from drystone.control.ends import End, EndSettings, Progress
-from drystone.engines.base import Demand, StepReport
+from drystone.engines.base import Demand, Fold, StepReport
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +79,7 @@ def seen(report: StepReport, sense: float) -> StepReport:
     fold, way = report.path.fold, report.path.dynamic_states
     path = changed(
         report.path,
-        fold=None if fold is None else (fold[0], -fold[1]),
+        fold=None if fold is None else Fold(fold.share, -fold.multiplier, -fold.drop),
         dynamic_states=tuple((state, seen(passed, sense)) for state, passed in way),
     )
     return changed(

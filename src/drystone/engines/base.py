@@ -6,9 +6,10 @@ the step and says what to demand next.  Neither knows which of the others it wor
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -82,6 +83,16 @@ class Demand:
 OVERSHOOT_PARTS = 10
 
 
+class Fold(NamedTuple):
+    """Where the path of equilibria turns back within a step."""
+
+    share: float  # of the step
+    multiplier: float
+    #: What the multiplier loses until the path passes the same share of the step again; not a
+    #: number where it is not known to do so.
+    drop: float = math.nan
+
+
 @dataclass(frozen=True, kw_only=True)
 class StepPath:
     """What some engines know of the path within a step; None, or empty, where one does not.
@@ -89,9 +100,9 @@ class StepPath:
     Engines that follow the equilibria within a step know `fold`, `excess` and `bend`.
     """
 
-    #: First fold of the path, where it turned back: share of the step and multiplier.  It is told
-    #: whether or not the step converged.
-    fold: tuple[float, float] | None = None
+    #: The fold of the path that it has not passed yet, or else that after which the multiplier
+    #: dropped most.  It is told whether or not the step converged.
+    fold: Fold | None = None
     #: By how much the multiplier exceeds both ends of the step, and at which share of the step.
     excess: tuple[float, float] | None = None
     #: How far the multiplier bends from its chord, and at which share of the step it does so most.

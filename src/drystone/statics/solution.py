@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array
+from drystone.engines.base import Fold
 from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
@@ -208,12 +210,10 @@ def solve(
     prescribed, farthest = step.prescribed, step.detector.farthest
     if prescribed is None and _stands(step, guesses[0], multiplier):
         return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
-    fold = None
+    fold, follow, given_up = None, None, False
     if settings.path is not None and isinstance(step, PlaneStep):
-        whole = prescribed is None or dynamic or beyond
-        followed = piecewise.follow(
-            step, guesses[0], multiplier, reaction, settings.path, whole=whole
-        )
+        follow = partial(piecewise.follow, step, guesses[0], multiplier, reaction, settings.path)
+        followed = follow(whole=prescribed is None or dynamic or beyond)
         # A fold says that there is no equilibrium ahead: what follows is motion.
         folded = followed.reason == piecewise.TURNS_BACK and prescribed is not None
         if not followed.reason or folded or followed.reason == TOO_STIFF:
@@ -221,7 +221,8 @@ def solve(
         step.again()
         fold = followed.fold
         # A shorter step is followed for less than a long search costs, unless it is as long a path.
-        if prescribed is not None and followed.reason != piecewise.MANY_CHANGES:
+        given_up = followed.reason == piecewise.MANY_CHANGES
+        if prescribed is not None and not given_up:
             full_search = False
     solver, driven = _Solver(step, settings.interior), farthest(step.given)
     increment = prescribed.increment if prescribed else driven
@@ -236,12 +237,17 @@ def solve(
     found = solver.find(
         guess, multiplier, warm=unchanged, full_search=full_search, follows=follows
     ) and solver.update_contacts(settings.contact_updates)
+    if not found and follow and given_up and prescribed is None:
+        step.again()
+        last = follow(whole=True, patient=True)
+        if not last.reason or last.reason == TOO_STIFF:
+            return replace(last, n_iterations=solver.iterations + last.n_iterations)
     moved, reason = farthest(step.x), ""
     stable, end, tangent = True, math.nan, None
     if found and follows:
         stable, end, tangent = _judge(step, settings.stability)
         if not stable:
-            fold = fold or (1.0, step.multiplier)
+            fold = fold or Fold(1.0, step.multiplier)
     if not found:
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):

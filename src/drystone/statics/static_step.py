@@ -38,6 +38,7 @@ from drystone.contact.contacts import (
     Pairs,
     Slots,
 )
+from drystone.engines.base import Fold
 from drystone.geometry import motion
 from drystone.law import softening
 from drystone.law.certificate import JudgedContacts
@@ -87,8 +88,7 @@ class StepSolution:
     increment: Array  # (n, n_dof)
     multiplier: float
     n_iterations: int
-    #: First fold of the path of equilibria: share of the step, and multiplier there.
-    fold: tuple[float, float] | None = None
+    fold: Fold | None = None  # of the path of equilibria, see `engines.base.StepPath`
     #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None

@@ -352,6 +352,16 @@ def _subtract_sums(panels, at, stride, known, rest, d):
 
 
 @njit(cache=True, error_model="numpy")
+def _is_zero(x, order, first, w):
+    """Whether a right-hand side (n, n_dof) has nothing for the ``w`` bodies of a front."""
+    for i in range(first, first + w):
+        for d in range(x.shape[1]):
+            if x[order[i], d] != 0.0:
+                return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
 def solve(structure, factors, rhs):
     """Replace each of the right-hand sides ``rhs`` (k, n, n_dof) by its solution, in which fixed
     bodies have zeros whatever they had before."""
@@ -368,6 +378,8 @@ def solve(structure, factors, rhs):
         y, below, t = work[: nd * w], work[nd * w : m], work[m : m + nd]
         for side in range(rhs.shape[0]):
             x = rhs[side]
+            if _is_zero(x, order, first, w):
+                continue  # of a side with forces on two bodies, few fronts are reached
             below[:] = 0.0
             for i in range(w):
                 body = order[first + i]

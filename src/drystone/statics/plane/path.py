@@ -9,7 +9,8 @@ so that all unbalanced forces shrink together,
 along straight lines with a kink where a contact leaves its branch.  There the matrix changes by
 u v^T only, so that the new direction takes one more solution with the factors of the first matrix
 (Sherman-Morrison).  Where 1 + v . K^-1 u is negative the path has a fold: t decreases until the
-next fold.  A path that falls below its start has no solution ahead of it (Katzenelson 1965).
+next fold.  A path that falls below its start has no solution ahead of it (Katzenelson 1965).  What
+the multiplier loses until the path passes the fold's t again is the drop at the fold.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
-from drystone.common.tolerances import BELOW_START, LEAST_PIVOT, SLOW
+from drystone.common.tolerances import BELOW_START, LEAST_PIVOT, NOTHING_FARTHER, SLOW
 from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
@@ -62,7 +63,7 @@ class Way(NamedTuple):
     bodies: IntArray  # (n_changes, 2)
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
-    fold: Array  # (2,) share of the step and multiplier of the first fold; or NaN
+    fold: Array  # (3,) of the fold that matters most, see `engines.base.Fold`; or NaN
     sense: Array  # (1,) -1 where the path goes back, else 1
     bends: Array  # (n_bends, 2) share of the step and multiplier at every change
 
@@ -90,18 +91,23 @@ class Rules(NamedTuple):
     #: What is missing of the prescribed displacement where the pieces are linear [m].
     lag: float
     inertia_factor: float  # 1/s2
-    #: Largest number of changes.
+    #: Largest number of changes, and of those that bring the path no farther.
     patience: int
+    idle: int
     #: Whether the caller factorises the matrix, see `WAITS`.
     waits: bool
 
 
 #: Where a path is: the multiplier; the share 1 - t of the step that is left; the number of changes
 #: so far; whether sliding counts over the whole of the step, as in the implicit law.  Otherwise a
-#: slip ends, and is kept, as soon as the contact would slide back: the path of a slow loading,
-#: which no structure follows beyond a fold.  Stiffness of the spring [N/m], and pivot of the
-#: matrix, NaN before it is factorised.
-MULTIPLIER, LEFT, CHANGES, WHOLE, SPRING, PIVOT, N_PROGRESS = 0, 1, 2, 3, 4, 5, 6
+#: slip ends, and is kept, as soon as the contact would slide back: the path of a slow loading.  No
+#: structure follows that from a fold on, but snaps to where the path passes the same share again.
+#: Up to there the path is that of the implicit law.  The least share left so far, and the number of
+#: changes since.  Stiffness of the spring [N/m], and pivot of the matrix, NaN before it is
+#: factorised.  The share left, and the multiplier, at the fold whose share the path has not passed
+#: again, NaN where there is none.
+MULTIPLIER, LEFT, CHANGES, WHOLE, LEAST, SINCE, SPRING, PIVOT, TURNED, TOP = range(10)
+N_PROGRESS = 10
 
 
 @njit(cache=True, error_model="numpy")
@@ -309,12 +315,28 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
     )  # fmt: skip
 
 
+@njit(cache=True, error_model="numpy")
+def _keep_all(table, count, branch):
+    """Make all sliding so far a part of the history."""
+    for c in range(count):
+        commit(table, c, branch[c])
+
+
+@njit(cache=True, error_model="numpy")
+def _passed(fold, turned, top, multiplier):
+    """Remember the fold after which the multiplier has dropped most, of those passed so far."""
+    drop = top - multiplier
+    if not abs(fold[2]) >= abs(drop):
+        fold[0], fold[1], fold[2] = 1.0 - turned, top, drop
+
+
 @njit(cache=True, error_model="numpy", inline="always")
 def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress, rules):
     """Follow the path with the matrix that is factorised; returns how it has ended."""
     prescribes = rules.body >= 0
     structure, factors = pieces.structure, pieces.factors
-    whole = progress[WHOLE] != 0.0 or np.isfinite(way.fold[0])
+    turned, top = progress[TURNED], progress[TOP]
+    whole = progress[WHOLE] != 0.0 or np.isfinite(turned)
     multiplier, left, changes = progress[MULTIPLIER], progress[LEFT], int(progress[CHANGES])
     lag = rules.lag - dot(bordered.gradient, pieces.away) if prescribes else 0.0
     table, rate = contacts.table, way.rate
@@ -326,7 +348,7 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         return SINGULAR
     ahead, dry = way.sense[0], all_dry(table, count)
     new, last = -1, -1  # change since the factorisation, and the contact that has changed
-    before = OPEN
+    least, since, before = progress[LEAST], progress[SINCE], OPEN
     while True:
         nearest, chosen, following = _next_change(
             contacts, count, branch, direction, ahead, whole, dry, last, before, rate
@@ -336,8 +358,20 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         if not np.isfinite(length):
             end = LOST
             break
+        passes = ahead > 0.0 and left * (1.0 - length) <= turned
+        if passes:
+            length = max(1.0 - turned / left, 0.0)
         _go(direction, ahead * length, x, rate, length, table, count)
         multiplier += ahead * length * by_direction
+        if passes:
+            _passed(way.fold, turned, top, multiplier)
+            _keep_all(table, count, branch)
+            whole, left, turned = False, turned, np.nan
+            for i in range(direction.shape[0]):
+                for d in range(direction.shape[1]):
+                    direction[i, d] *= 1.0 - length
+            by_direction *= 1.0 - length
+            continue
         if arrives:
             if not whole:
                 _keep_slow(contacts, count, branch)
@@ -353,9 +387,12 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
             way.bends[changes, 0], way.bends[changes, 1] = 1.0 - left, multiplier
         changes += 1
         new += 1
+        since += 1.0
+        if left < least - NOTHING_FARTHER:
+            least, since = left, 0.0
         if not whole:
             commit(table, chosen, before)
-        if changes > rules.patience:
+        if changes > rules.patience or since > rules.idle:
             end = LOST
             break
         if new == way.changes.shape[0]:
@@ -372,11 +409,11 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         if pivot < 0.0:
             if not whole:
                 # What the structure snaps over is looked for on the path of the implicit law.
-                whole = True
-                way.fold[0], way.fold[1] = 1.0 - left, multiplier
+                whole, turned, top = True, left, multiplier
             ahead = -ahead
             way.sense[0] = ahead
     progress[MULTIPLIER], progress[LEFT], progress[CHANGES] = multiplier, left, changes
+    progress[LEAST], progress[SINCE], progress[TURNED], progress[TOP] = least, since, turned, top
     return end
 
 

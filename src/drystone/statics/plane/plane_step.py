@@ -90,7 +90,7 @@ class PlaneStep(StaticStep):
             bodies=np.zeros((CHANGES_PER_MATRIX, 2), np.int64),
             pivot=np.zeros(CHANGES_PER_MATRIX),
             rate=np.zeros((pairs.n_slots, 2)),
-            fold=np.full(2, np.nan),
+            fold=np.full(3, np.nan),
             sense=np.ones(1),
             bends=np.zeros((BENDS, 2)),
         )
@@ -162,7 +162,7 @@ class PlaneStep(StaticStep):
         self.residual = contacts.evaluate(self.box, self.n, self.multiplier, self.inertia_factor)
 
     def walk(
-        self, x: Array, multiplier: float, *, whole: bool, patience: int
+        self, x: Array, multiplier: float, *, whole: bool, patience: int, idle: int
     ) -> tuple[int, float, int]:
         """Follow the path of the pieces that are linear where the step is, from ``x`` (n, n_dof),
         which moves on in place; see `statics.plane.path.walk`.
@@ -182,10 +182,12 @@ class PlaneStep(StaticStep):
             lag=self.missing,
             inertia_factor=self.inertia_factor,
             patience=patience,
+            idle=idle,
             waits=bool(self.lu.parts),
         )
         self.way.sense[0] = 1.0
-        progress = np.array([multiplier, 1.0, 0.0, float(whole), 0.0, np.nan])
+        progress = np.full(path.N_PROGRESS, np.nan)
+        progress[: path.SPRING] = multiplier, 1.0, 0.0, float(whole), 1.0, 0.0
         end = path.WAITS
         while end == path.WAITS:
             end = path.walk(self.box, self.n, x, progress, rules)
@@ -193,6 +195,10 @@ class PlaneStep(StaticStep):
                 progress[path.PIVOT] = self.lu.factorise(
                     self.tangent, self.loads.mass, self.damping, 0.0
                 )
+        if np.isfinite(progress[path.TURNED]):
+            self.way.fold[:] = 1.0 - progress[path.TURNED], progress[path.TOP], np.nan
+        elif end == path.LOST and not whole and progress[path.SINCE] > idle:
+            self.way.fold[:] = 1.0 - progress[path.LEFT], progress[path.MULTIPLIER], np.nan
         return end, float(progress[path.MULTIPLIER]), int(progress[path.CHANGES])
 
     def bends(self, changes: int) -> Array:
