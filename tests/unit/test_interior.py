@@ -10,11 +10,12 @@ import pytest
 
 from builders import problem_of, stack
 from drystone.analysis.driver import pushover
-from drystone.engines.base import Demand
+from drystone.engines.base import Demand, UnstableError
 from drystone.model.assembly import Corner
 from drystone.model.builders import published_wall
 from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
+from drystone.statics.plane import plane_step
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.solution import SolutionSettings
 
@@ -96,12 +97,45 @@ def test_a_path_that_is_soon_given_up_leads_to_the_same_curve():
     assert peaks[1] == pytest.approx(peaks[0], rel=2e-4)
 
 
+@pytest.mark.compiled
+@pytest.mark.parametrize("changes", [1, 2, 33])
+def test_paths_do_not_depend_on_when_their_matrix_is_renewed(changes, monkeypatch):
+    """Folds and detours come at any change: also at the last one with a factorisation."""
+
+    def points():
+        curve = pushover(published_wall(2), max_displacement=0.35)
+        return np.array([(p.control_displacement, p.load_multiplier) for p in curve.points])
+
+    as_ever = points()
+    monkeypatch.setattr(plane_step, "CHANGES_PER_MATRIX", changes)
+    peak = as_ever[:, 1].max()
+    before = as_ever[:, 0] < 0.25  # roundings grow in jumps
+    np.testing.assert_allclose(points()[: before.sum()], as_ever[before], atol=1e-5 * peak)
+
+
+@pytest.mark.compiled
+def test_under_a_given_load_the_path_is_followed_where_nothing_else_leads_on(monkeypatch):
+    """Neither the interior-point method nor a path of no changes finds anything."""
+    monkeypatch.setattr(solution._Solver, "find", lambda *args, **options: False)
+    problem = problem_of(published_wall(3))
+
+    def begun(path):
+        settings = EquilibriumSettings(solution=SolutionSettings(path=path))
+        state, _ = EquilibriumEngine(settings).start(problem)
+        return state
+
+    long, short = (begun(PathSettings(changes=changes)).pose for changes in (10_000, 0))
+    np.testing.assert_allclose(short, long, atol=1e-9)
+    with pytest.raises(UnstableError):
+        begun(PathSettings(changes=0, changes_at_last=0.0))
+
+
 @pytest.mark.slow
 @pytest.mark.gate
 @pytest.mark.compiled
 def test_paths_of_a_large_facade_do_not_cost_many_steps():
-    """Of 502 blocks, on the rising branch: 2.5 times as many as without paths, as these turn back
-    at stones that move.  Paths that were followed however long they are took 3.8 times as many."""
+    """Of 502 blocks, on the rising branch: twice as many as without paths, as these turn back at
+    stones that move.  Paths that were followed however long they are took 3.8 times as many."""
     model = runpy.run_path(str(BENCHMARKS / "walls.py"))["facade"](500)
     assert model.assembly.n_blocks == 502
     tried = []
@@ -109,7 +143,7 @@ def test_paths_of_a_large_facade_do_not_cost_many_steps():
         engine = Counting(settings)
         pushover(model, engine=engine, max_displacement=0.03)
         tried.append(engine.steps)
-    assert tried[0] <= 3.0 * tried[1]
+    assert tried[0] <= 2.5 * tried[1]
 
 
 def test_a_stack_finds_its_equilibrium_in_one_long_step():

@@ -88,8 +88,8 @@ class Fold(NamedTuple):
 
     share: float  # of the step
     multiplier: float
-    #: What the multiplier loses until the path passes the same share of the step again; not a
-    #: number where it is not known to do so.
+    #: What the multiplier loses until the path passes the same share of the step again, negative
+    #: where it gains; not a number where it is not known to pass it.
     drop: float = math.nan
 
 
@@ -100,8 +100,9 @@ class StepPath:
     Engines that follow the equilibria within a step know `fold`, `excess` and `bend`.
     """
 
-    #: The fold of the path that it has not passed yet, or else that after which the multiplier
-    #: dropped most.  It is told whether or not the step converged.
+    #: The fold of the path that it has not passed again, or the place where it was given up; or
+    #: else the fold after which the multiplier dropped most.  An unstable end is one, too, with
+    #: share 1.  It is told whether or not the step converged.
     fold: Fold | None = None
     #: By how much the multiplier exceeds both ends of the step, and at which share of the step.
     excess: tuple[float, float] | None = None

@@ -222,8 +222,10 @@ def solve(
         fold = followed.fold
         # A shorter step is followed for less than a long search costs, unless it is as long a path.
         given_up = followed.reason == piecewise.MANY_CHANGES
-        if prescribed is not None and not given_up:
-            full_search = False
+        if prescribed is not None:
+            full_search = full_search and given_up
+        elif settings.path.at_last(step.n) == settings.path.changes:
+            follow = None  # it would go no farther
     solver, driven = _Solver(step, settings.interior), farthest(step.given)
     increment = prescribed.increment if prescribed else driven
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
@@ -237,21 +239,20 @@ def solve(
     found = solver.find(
         guess, multiplier, warm=unchanged, full_search=full_search, follows=follows
     ) and solver.update_contacts(settings.contact_updates)
-    if not found and follow and given_up and prescribed is None:
-        step.again()
-        last = follow(whole=True, patient=True)
-        if not last.reason or last.reason == TOO_STIFF:
-            return replace(last, n_iterations=solver.iterations + last.n_iterations)
     moved, reason = farthest(step.x), ""
     stable, end, tangent = True, math.nan, None
     if found and follows:
         stable, end, tangent = _judge(step, settings.stability)
-        if not stable:
-            fold = fold or Fold(1.0, step.multiplier)
+        if not stable and (fold is None or math.isfinite(fold.drop)):
+            fold = Fold(1.0, step.multiplier)
     if not found:
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
             reason = TOO_STIFF
+        elif follow and given_up and prescribed is None:
+            step.again()
+            last = follow(whole=True, patient=True)
+            return replace(last, n_iterations=solver.iterations + last.n_iterations)
     elif not moved <= step.accuracy.farthest:
         reason = "a block moves too far in one step"
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion

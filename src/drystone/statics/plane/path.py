@@ -105,9 +105,9 @@ class Rules(NamedTuple):
 #: Up to there the path is that of the implicit law.  The least share left so far, and the number of
 #: changes since.  Stiffness of the spring [N/m], and pivot of the matrix, NaN before it is
 #: factorised.  The share left, and the multiplier, at the fold whose share the path has not passed
-#: again, NaN where there is none.
-MULTIPLIER, LEFT, CHANGES, WHOLE, LEAST, SINCE, SPRING, PIVOT, TURNED, TOP = range(10)
-N_PROGRESS = 10
+#: again, NaN where there is none; and the share left where it passed one last.
+MULTIPLIER, LEFT, CHANGES, WHOLE, LEAST, SINCE, SPRING, PIVOT, TURNED, TOP, PASSED = range(11)
+N_PROGRESS = 11
 
 
 @njit(cache=True, error_model="numpy")
@@ -317,13 +317,14 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
 
 @njit(cache=True, error_model="numpy")
 def _keep_all(table, count, branch):
-    """Make all sliding so far a part of the history."""
+    """Make all sliding so far a part of the history, and what was crushed: of joints that stay dry
+    and closed, what ends later would be kept then."""
     for c in range(count):
         commit(table, c, branch[c])
 
 
 @njit(cache=True, error_model="numpy")
-def _passed(fold, turned, top, multiplier):
+def _tell(fold, turned, top, multiplier):
     """Remember the fold after which the multiplier has dropped most, of those passed so far."""
     drop = top - multiplier
     if not abs(fold[2]) >= abs(drop):
@@ -335,7 +336,7 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
     """Follow the path with the matrix that is factorised; returns how it has ended."""
     prescribes = rules.body >= 0
     structure, factors = pieces.structure, pieces.factors
-    turned, top = progress[TURNED], progress[TOP]
+    turned, top, passed = progress[TURNED], progress[TOP], progress[PASSED]
     whole = progress[WHOLE] != 0.0 or np.isfinite(turned)
     multiplier, left, changes = progress[MULTIPLIER], progress[LEFT], int(progress[CHANGES])
     lag = rules.lag - dot(bordered.gradient, pieces.away) if prescribes else 0.0
@@ -364,9 +365,9 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         _go(direction, ahead * length, x, rate, length, table, count)
         multiplier += ahead * length * by_direction
         if passes:
-            _passed(way.fold, turned, top, multiplier)
+            _tell(way.fold, turned, top, multiplier)
             _keep_all(table, count, branch)
-            whole, left, turned = False, turned, np.nan
+            whole, left, passed, turned = False, turned, turned, np.nan
             for i in range(direction.shape[0]):
                 for d in range(direction.shape[1]):
                     direction[i, d] *= 1.0 - length
@@ -395,9 +396,6 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         if changes > rules.patience or since > rules.idle:
             end = LOST
             break
-        if new == way.changes.shape[0]:
-            end = RENEW
-            break
         pivot = _add_change(
             structure, factors, bordered, way, prescribes, contacts, chosen, before, following, new
         )
@@ -409,11 +407,17 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         if pivot < 0.0:
             if not whole:
                 # What the structure snaps over is looked for on the path of the implicit law.
-                whole, turned, top = True, left, multiplier
+                if not abs(left - passed) <= NOTHING_FARTHER:
+                    top = multiplier  # else one drop follows another
+                whole, turned = True, left
             ahead = -ahead
-            way.sense[0] = ahead
+            way.sense[0], bordered.sign[0] = ahead, -bordered.sign[0]
+        if new + 1 == way.changes.shape[0]:
+            end = RENEW
+            break
     progress[MULTIPLIER], progress[LEFT], progress[CHANGES] = multiplier, left, changes
-    progress[LEAST], progress[SINCE], progress[TURNED], progress[TOP] = least, since, turned, top
+    progress[LEAST], progress[SINCE] = least, since
+    progress[TURNED], progress[TOP], progress[PASSED] = turned, top, passed
     return end
 
 

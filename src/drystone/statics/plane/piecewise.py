@@ -54,9 +54,13 @@ class PathSettings:
     #: Range, 64 and 250: peaks of a facade of 92 blocks by 1.6e-4, a facade of 502 blocks 15.8 and
     #: 18.9 s (16.1 s); with 64 random structures take a tenth more iterations.
     idle: int = 128
-    #: Changes for each contact that there is, under a given load that the interior-point method has
-    #: found no equilibrium for: there is no shorter step.
+    #: Changes for each contact that there is, where these are more, under a given load that the
+    #: interior-point method has found no equilibrium for.
     changes_at_last: float = 2.0
+
+    def at_last(self, n_contacts: int) -> int:
+        """Changes that a path may have at last, with so many contacts."""
+        return max(self.changes, int(self.changes_at_last * n_contacts))
 
 
 # Long: one loop, in which each renewal of the gradients may end the step in its own way.
@@ -79,7 +83,7 @@ def follow(
     prescribed, accuracy, x = step.prescribed, step.accuracy, step.given
     start, reason, count = multiplier, "", 0
     follows = prescribed is not None or bool(step.given.any())
-    most = int(settings.changes_at_last * step.n) if patient else settings.changes
+    most = settings.at_last(step.n) if patient else settings.changes
     idle = settings.idle if prescribed is not None else most
     begun = step.branch[: step.n].copy()
     step.evaluate(guess, multiplier)

@@ -7,6 +7,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.boxed import boxed
+from drystone.common.tolerances import FOLD_KNOWN
 from drystone.contact.contacts import EDGE_A, NONE, SIZE, SLOT, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
 from drystone.contact.plane import narrow
@@ -198,7 +199,9 @@ class PlaneStep(StaticStep):
         if np.isfinite(progress[path.TURNED]):
             self.way.fold[:] = 1.0 - progress[path.TURNED], progress[path.TOP], np.nan
         elif end == path.LOST and not whole and progress[path.SINCE] > idle:
-            self.way.fold[:] = 1.0 - progress[path.LEFT], progress[path.MULTIPLIER], np.nan
+            came = 1.0 - progress[path.LEFT]
+            if came > FOLD_KNOWN:
+                self.way.fold[:] = came, progress[path.MULTIPLIER], np.nan
         return end, float(progress[path.MULTIPLIER]), int(progress[path.CHANGES])
 
     def bends(self, changes: int) -> Array:
