@@ -140,9 +140,12 @@ def test_the_peak_rises_with_the_stiffness_of_joints_to_that_of_limit_analysis(w
 @pytest.mark.slow
 @pytest.mark.parametrize("wall", WALLS)
 def test_the_first_order_engine_comes_to_the_same_branch(wall):
-    """nscd with steps of 0.5 mm: within a median of 0.005, and nearer than with its own steps, or
-    as near as the points of either curve tell what lies between them."""
-    ours = traced(wall)
+    """nscd with steps of 0.5 mm: within a median of 0.005, and nearer than with its own steps.
+
+    Ours has steps as short: on wall 3 the engines differ by less than what lies between points of
+    longer ones.
+    """
+    ours = traced(wall, displacement_step=5e-4)
     d = np.linspace(0.005, 0.95 * ours.ultimate_displacement, 400)
 
     def apart(**options):
@@ -156,4 +159,4 @@ def test_the_first_order_engine_comes_to_the_same_branch(wall):
 
     fine = apart(displacement_step=5e-4)
     assert fine <= 5.5e-3
-    assert fine < max(apart(), PEAK_SHARE * ours.peak.load_multiplier)
+    assert fine < apart()

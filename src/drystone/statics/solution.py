@@ -210,7 +210,7 @@ def solve(
     prescribed, farthest = step.prescribed, step.detector.farthest
     if prescribed is None and _stands(step, guesses[0], multiplier):
         return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
-    fold, follow, given_up = None, None, False
+    fold, at_last = None, None
     if settings.path is not None and isinstance(step, PlaneStep):
         follow = partial(piecewise.follow, step, guesses[0], multiplier, reaction, settings.path)
         followed = follow(whole=prescribed is None or dynamic or beyond)
@@ -224,8 +224,8 @@ def solve(
         given_up = followed.reason == piecewise.MANY_CHANGES
         if prescribed is not None:
             full_search = full_search and given_up
-        elif settings.path.at_last(step.n) == settings.path.changes:
-            follow = None  # it would go no farther
+        elif given_up and settings.path.at_last(step.n) > settings.path.changes:
+            at_last = partial(follow, whole=True, patient=True)
     solver, driven = _Solver(step, settings.interior), farthest(step.given)
     increment = prescribed.increment if prescribed else driven
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
@@ -249,9 +249,9 @@ def solve(
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
             reason = TOO_STIFF
-        elif follow and given_up and prescribed is None:
+        elif at_last:
             step.again()
-            last = follow(whole=True, patient=True)
+            last = at_last()
             return replace(last, n_iterations=solver.iterations + last.n_iterations)
     elif not moved <= step.accuracy.farthest:
         reason = "a block moves too far in one step"

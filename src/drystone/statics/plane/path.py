@@ -317,8 +317,11 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
 
 @njit(cache=True, error_model="numpy")
 def _keep_all(table, count, branch):
-    """Make all sliding so far a part of the history, and what was crushed: of joints that stay dry
-    and closed, what ends later would be kept then."""
+    """Make all sliding and crushing so far a part of the history.
+
+    The slip of a dry joint would also be kept later, when it ends.  Crushing, and the dilation of a
+    joint that has opened, would not.
+    """
     for c in range(count):
         commit(table, c, branch[c])
 
