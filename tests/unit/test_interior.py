@@ -17,7 +17,7 @@ from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
 from drystone.statics.plane import plane_step
 from drystone.statics.plane.piecewise import PathSettings
-from drystone.statics.solution import SolutionSettings
+from drystone.statics.solution import SolutionSettings, excess_of_cubic
 
 pytestmark = pytest.mark.kernels
 
@@ -174,3 +174,11 @@ def test_a_block_has_no_more_modes_than_motions():
     free = np.count_nonzero(~problem.assembly.fixed)
     assert len(solution.quotients(step, stability)) == min(4, 3 * free - 1)
     assert (solution.quotients(step, stability) > 0.0).all()
+
+
+def test_a_cubic_exceeds_its_ends():
+    """x - x^3, which has its top at 1 / sqrt(3), and what rises all along."""
+    excess, share = excess_of_cubic(1.0, 0.0, -2.0)
+    assert excess == pytest.approx(2.0 / 27.0**0.5, rel=3e-3)
+    assert share == pytest.approx(3.0**-0.5, abs=0.03)
+    assert excess_of_cubic(0.5, 1.0, 0.5)[0] == 0.0

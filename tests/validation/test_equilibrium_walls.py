@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from drystone.analysis.driver import pushover
-from drystone.common.tolerances import BEND_SHARE, PEAK_SHARE
+from drystone.common.tolerances import BEND_SHARE, SNAP_SHARE
 from drystone.model.assembly import Assembly
 from drystone.model.builders import published_wall
 from drystone.results.curve import DYNAMIC
@@ -86,25 +86,38 @@ class Folds(EquilibriumEngine):
         return new, report
 
 
-def test_a_step_past_a_slight_fold_ends_where_short_steps_do():
-    """Steps that the control accepts: slight is what it does not show, and what bends little."""
+def in_short_steps(engine, state, demand):
+    """State and multiplier after a step that is taken in 16 parts; None where one fails."""
+    short, report = replace(demand, increment=demand.increment / 16), None
+    for _ in range(16):
+        state, report = EquilibriumEngine.step(engine, state, short)
+        if not report.converged:
+            return None
+    return state, report.static_multiplier
+
+
+def test_a_step_past_a_slight_fold_leads_where_short_steps_do():
+    """Steps that the control accepts: slight is what it does not show, and what bends little.
+
+    What is passed over may move each of the two curves by `SNAP_SHARE`.  They are compared a step
+    later: short steps may end in a dip between two slips, 0.5 mm long, that a long one passes.
+    """
     found = 0
     for wall in WALLS:
         engine = Folds()
-        known = PEAK_SHARE * (peak := traced(wall, engine=engine).peak.load_multiplier)
+        peak = traced(wall, engine=engine).peak.load_multiplier
         for state, demand, whole in engine.passed:
             bend = whole.path.bend[0] if whole.path.bend else np.inf
-            if abs(whole.path.fold.drop) > known or bend > BEND_SHARE * peak:
+            if abs(whole.path.fold.drop) > SNAP_SHARE * peak or bend > BEND_SHARE * peak:
                 continue
-            short = replace(demand, increment=demand.increment / 16)
-            for _ in range(16):
-                state, report = EquilibriumEngine.step(engine, state, short)
-                if not report.converged:
-                    break
-            else:
+            ends = [
+                EquilibriumEngine.step(engine, state, demand),
+                in_short_steps(engine, state, demand),
+            ]
+            later = [in_short_steps(engine, end[0], demand) for end in ends if end]
+            if len(later) == 2 and all(later):
                 found += 1
-                there = pytest.approx(report.static_multiplier, abs=known)
-                assert whole.static_multiplier == there
+                assert later[0][1] == pytest.approx(later[1][1], abs=2.0 * SNAP_SHARE * peak)
     assert found >= 10
 
 

@@ -24,7 +24,6 @@ from drystone.common.records import changed
 from drystone.common.threads import limited
 from drystone.contact.forces import ContactForces
 from drystone.control import (
-    SMOOTH,
     Control,
     ControlError,
     Decision,
@@ -48,7 +47,6 @@ from drystone.engines.base import (
     Demand,
     Engine,
     EngineError,
-    PreferredSteps,
     Problem,
     State,
     StepReport,
@@ -686,7 +684,8 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
     step = {"displacement_step": STEP_SHARE * frame.size}
-    preferred = _suited(engine.preferred_steps(model.assembly))
+    said = asdict(engine.preferred_steps(model.assembly))
+    preferred = {key: value for key, value in said.items() if value is not None}
     if model.settlement is not None:
         return _support_control({**step, **preferred, **options}, engine, model, frame)
     try:
@@ -744,14 +743,6 @@ def _support_control(
             max_steps=int(options.get("max_steps", SupportSettings.max_steps)),
         )
     )
-
-
-def _suited(preferred_steps: PreferredSteps) -> dict[str, float]:
-    """Settings of the strategies that go with what an engine says of its steps."""
-    said = asdict(preferred_steps)
-    smooth = said.pop("smooth")
-    known = {key: value for key, value in said.items() if value is not None}
-    return {**known, **SMOOTH} if smooth else known
 
 
 def _settings(cls: type[Settings], second: float, options: Mapping[str, Any]) -> Settings:

@@ -15,7 +15,7 @@ or seconds means these; all others are over what the comment names.
   space, 6 solids and 4 arches (``benchmarks/robustness.py``, seeds 0:24:2, 0:12:2, 0:8:2).  A
   number has *no effect* if it changes peaks by less than 1e-4 of themselves, and the sum of steps
   by less than 1 %, in the plane and in space.  Peaks in space are known to some 2e-3 with steps of
-  the default length (`SMOOTH_BEND_SHARE`): what changes where points lie changes them by that.
+  the default length (`BEND_SHARE_IN_SPACE`): what changes where points lie changes them by that.
   Measured with the static step before that which plane and space share.  Ranges *by* `distinct` are
   of 3 plane structures, seeds 8, 10 and 12.
 - *Convention*: what a word means; another number would mean something else.
@@ -430,9 +430,9 @@ SMALL_OVERSHOOT = 0.05
 #: Of the peak, that the curve may bend within a step.  Range: plane: no effect.
 BEND_SHARE = 2e-3
 
-#: Likewise where curves bend all along.  Derived: twice as much as where bends are corners.  Range:
-#: peaks by 2.1e-3, steps by 3.2 %.
-SMOOTH_BEND_SHARE = 2.0 * BEND_SHARE
+#: Likewise in space.  Derived: twice as much, as curves bend all along there and steps are dearer.
+#: Range: peaks by 2.1e-3, steps by 3.2 %.
+BEND_SHARE_IN_SPACE = 2.0 * BEND_SHARE
 
 #: Part of the bend that may be which the next step aims at.  Range, space: peaks by 1.9e-3, steps
 #: by 1.4 %.
@@ -476,7 +476,7 @@ MANY_SHORTER = 0.7
 JUMP_TIME_STEP = 0.1
 
 #: Of the highest multiplier so far, by which the load grows at most in a step where the control
-#: point turns back before the peak.  Not measured.
+#: point turns back before the peak.  Range: no effect.
 LOAD_SHARE = 0.05
 
 #: Least time step of a jump over the first.  Range: no peak.

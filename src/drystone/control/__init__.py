@@ -4,7 +4,7 @@ They know nothing of blocks or contacts and hold no state of their own.
 """
 
 from drystone.control.base import Control, ControlError, Decision
-from drystone.control.displacement import SMOOTH, DisplacementControl, DisplacementSettings
+from drystone.control.displacement import DisplacementControl, DisplacementSettings
 from drystone.control.excess import ExcessControl, ExcessSettings
 from drystone.control.excess_history import ExcessHistoryControl, ExcessHistorySettings
 from drystone.control.history import HistoryControl, HistorySettings
@@ -12,7 +12,6 @@ from drystone.control.published import PublishedControl, PublishedSettings
 from drystone.control.support_displacement import SupportControl, SupportSettings
 
 __all__ = [
-    "SMOOTH",
     "Control",
     "ControlError",
     "Decision",

@@ -46,12 +46,8 @@ from drystone.engines.base import OVERSHOOT_PARTS, Demand, StepReport
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
-#: Settings where curves bend all along: steps grow by how much they do, and a step may bend by
-#: twice as much as where bends are corners.
-SMOOTH: dict[str, float] = {"smooth": True, "bend_share": tolerances.SMOOTH_BEND_SHARE}
-
-#: Times that the stop value is looked for where the chord meets it, and where steps are dear.
-CHORDS, FEW_CHORDS = 4, 2
+#: Times that the stop value is looked for where the chord meets it.
+CHORDS = 2
 
 
 #: Steps since one failed, where none has.
@@ -81,8 +77,7 @@ class DisplacementSettings(EndSettings):
     deviation_share: float = tolerances.DEVIATION_SHARE
     deviation_bend: float = tolerances.DEVIATION_BEND
     deviation_step: float = tolerances.DEVIATION_STEP
-    smooth: bool = False  # whether curves bend all along, so that steps grow by how much they do
-    # Increment over the largest, up to which such steps may use the full search.
+    # Increment over the largest, up to which steps may use the full search.
     full_search_share: float = tolerances.FULL_SEARCH_SHARE
     # Of the peak, by which a snap that is passed over may move the curve.
     snap_share: float = tolerances.SNAP_SHARE
@@ -175,8 +170,6 @@ class DisplacementControl(Strategy[DisplacementState]):
         the motion there can be followed instead.
         """
         s = self.settings
-        if not s.smooth:
-            return True
         small = state.increment <= s.full_search_share * s.displacement_step
         return small and state.stage != CROSSING
 
@@ -299,7 +292,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
             share = (state.last - aim) / (state.last - multiplier)
-            if state.n_shorter >= (FEW_CHORDS if s.smooth else CHORDS):
+            if state.n_shorter >= CHORDS:
                 share = 0.5 * share  # what is bent so much is found by halves
             finer = share * state.increment
             return finer if finer > tolerances.LEAST_CHORD * least else None
@@ -457,9 +450,13 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _retry(self, state: DisplacementState, report: StepReport) -> Decision[DisplacementState]:
         s, floor = self.settings, self._floor(state)
         if state.time_step:
-            if s.smooth:
-                state = changed(state, shortened=True, too_long=state.time_step, n_since=0)
-            state = changed(state, time_step=0.5 * state.time_step)
+            state = changed(
+                state,
+                time_step=0.5 * state.time_step,
+                shortened=True,
+                too_long=state.time_step,
+                n_since=0,
+            )
             if state.time_step < tolerances.LEAST_JUMP * s.time_step:
                 reason: str = say("end.jump_lost", why=report.reason)
                 if self._carried(state) <= 0.0:
@@ -536,7 +533,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         else:
             scale = 1.0 if report.n_iterations <= s.shrink_iterations else tolerances.MANY_SHORTER
         n_since = state.n_since + 1
-        if s.smooth and n_since < s.grown_after:
+        if n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
         return changed(
@@ -546,7 +543,7 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
         """Growth of the increment after few iterations: the larger the overshoot, the less."""
         s = self.settings
-        if s.smooth and report.path.bend is not None:
+        if report.path.bend is not None:
             # A bend goes with the square of the step.
             most = s.bend_share * self._scale(state)
             bend = max(report.path.bend[0], tolerances.TINY)

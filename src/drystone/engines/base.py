@@ -216,7 +216,7 @@ class PreferredSteps:
     time_step: float | None = None  # s
     grow_iterations: int | None = None  # of a step, up to which the next one may grow
     shrink_iterations: int | None = None  # of a step, beyond which the next one shrinks
-    smooth: bool = False  # whether its curves bend all along, not from point to point
+    bend_share: float | None = None  # of the peak, that its curves may bend within a step
 
 
 class Engine(ABC, Generic[OwnState]):

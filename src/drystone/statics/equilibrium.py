@@ -149,9 +149,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             max(height * tolerances.STEP_OF_HEIGHT, tolerances.LEAST_STEP * size),
             tolerances.MOST_STEP * size,
         )
-        smooth = assembly.dimension == 3 or self.settings.solution.path is None
+        bend = tolerances.BEND_SHARE_IN_SPACE if assembly.dimension == 3 else None
         return PreferredSteps(
-            displacement_step=step, grow_iterations=60, shrink_iterations=400, smooth=smooth
+            displacement_step=step, grow_iterations=60, shrink_iterations=400, bend_share=bend
         )
 
     def derived(self, problem: Problem) -> tuple[Prepared]:

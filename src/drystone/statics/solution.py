@@ -321,6 +321,20 @@ def _shape(
 def bend_of_cubic(rise: float, change: float, at_end: float) -> tuple[float, float]:
     """How far a cubic leaves its chord at most, and at what share of its length, that would rise by
     ``rise`` along its first tangent and by ``at_end`` along its last, and does by ``change``."""
-    away = SHARES * (1.0 - SHARES) * ((rise - change) * (1.0 - SHARES) - (at_end - change) * SHARES)
+    away = _off_chord(rise, change, at_end)
     off = int(np.argmax(np.abs(away)))
     return float(abs(away[off])), float(SHARES[off])
+
+
+def excess_of_cubic(rise: float, change: float, at_end: float) -> tuple[float, float]:
+    """By how much such a cubic exceeds both its ends, and at what share of its length."""
+    above = SHARES * change + _off_chord(rise, change, at_end) - max(change, 0.0)
+    top = int(np.argmax(above))
+    return max(float(above[top]), 0.0), float(SHARES[top])
+
+
+def _off_chord(rise: float, change: float, at_end: float) -> Array:
+    """Of a cubic, from its chord, at `SHARES` of its length."""
+    from_first, from_last = rise - change, at_end - change
+    away: Array = SHARES * (1.0 - SHARES) * (from_first * (1.0 - SHARES) - from_last * SHARES)
+    return away

@@ -28,7 +28,7 @@ from drystone.geometry.motion import rotations
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.statics.solution import StabilitySettings, bend_of_cubic, grows
+from drystone.statics.solution import StabilitySettings, bend_of_cubic, excess_of_cubic, grows
 from drystone.statics.static_step import StaticStep, StepSolution
 
 #: Solutions of a step before it counts as failed: where joints may fail within it, and where a
@@ -316,11 +316,11 @@ def _shaped(
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * abs(increment)
     excess = 0.0, 0.0
-    if rise > 0.0 > at_end:  # no higher than where the tangents meet: joints yield at corners
-        share = min((change - at_end) / (rise - at_end), 1.0)
-        if share <= 0.0:  # they do not: it has dropped within the step, no one knows where
-            share = 0.5
-        excess = max(before + share * rise - top, 0.0), share
+    if rise > 0.0 > at_end:
+        # As high as where the tangents meet, at a corner, or as the cubic, where it drops later.
+        share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
+        at_corner = max(before + share * rise - top, 0.0), share
+        excess = max(at_corner, excess_of_cubic(rise, change, at_end))
     if first and not np.isfinite(start.rise):
         excess = _hidden(first, solved, before, sense) or excess
     bend = max(solved.bend or (0.0, 0.0), bend_of_cubic(rise, change, at_end))
