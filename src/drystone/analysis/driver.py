@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from drystone.analysis.plausible import Plausibility
 from drystone.analysis.sitting import SITTING, Sitting
+from drystone.common import tolerances
 from drystone.common.arrays import Array
 from drystone.common.codec import packed, unpacked
 from drystone.common.compilation import Compilation
@@ -739,6 +740,8 @@ def _support_control(
             unit=weight * (lever if settlement.rotates else 1.0),
             scale=lever,
             time_step=0.0 if engine.capabilities.prescribes_displacement else STILL * frame.time,
+            jump_time_step=tolerances.JUMP_TIME_STEP * frame.time,
+            fall=tolerances.SUPPORT_FALL * assembly.smallest_extent,
             grow_iterations=int(options.get("grow_iterations", SupportSettings.grow_iterations)),
             max_steps=int(options.get("max_steps", SupportSettings.max_steps)),
         )

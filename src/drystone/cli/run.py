@@ -340,12 +340,12 @@ def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
 
     shown = Quantities.of(curve)
     force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
-    reaction = curve.reaction
-    least = int(reaction.argmin())
+    first, last = curve.at_rest[0], curve.at_rest[-1]
+    least = min(curve.at_rest, key=lambda point: point.reaction)
     rows = (
-        ("reaction at first", f"{reaction[0]:.6g} {force}"),
-        ("least reaction", f"{reaction[least]:.6g} {force} at {at[least]:.5g} {unit}"),
-        ("reaction at last", f"{reaction[-1]:.6g} {force} at {at[-1]:.5g} {unit}"),
+        ("reaction at first", f"{first.reaction:.6g} {force}"),
+        ("least reaction", f"{least.reaction:.6g} {force} at {at[least.step]:.5g} {unit}"),
+        ("reaction at last", f"{last.reaction:.6g} {force} at {at[last.step]:.5g} {unit}"),
         *event_rows(curve),
         ("end", curve.reason),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),

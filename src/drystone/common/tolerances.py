@@ -616,6 +616,15 @@ SUPPORT_FLOOR = 1e-4
 #: which it jumps.  Not measured.
 JUMP_RATIO = 5.0
 
+#: Motion of a block over the smallest extent while supports are held, after which the structure has
+#: fallen.  Convention: a block that has moved so far has left what it rested on.
+SUPPORT_FALL = 1.0
+
+#: How far from an unstable equilibrium a stable one is looked for, over the smallest extent, at
+#: least and at most.  Range: portals with stiffness from 1e8 to 1e10 Pa/m: the same.
+LEAST_DEPARTURE = 1e-4
+MOST_DEPARTURE = 0.1
+
 #: Of the largest reaction, by which it may leave its course in a step.  Not measured.
 SUPPORT_BEND = 0.02
 

@@ -1,11 +1,14 @@
 """Support displacement, step by step: the curve is the reaction against the supports' motion.
 
-Steps grow after few iterations and shrink where they find no equilibrium.  If the smallest step
-finds none either, the structure falls: supports that move on slowly bring it down there.
+Steps grow after few iterations and shrink where they find no stable equilibrium.  If the smallest
+step finds none either, it is taken in a short step of time, and then the supports are held: time
+steps grow as the blocks come to rest.  Either a joint has slipped and the structure rests again,
+and the supports go on; or it falls.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from drystone.common import tolerances
@@ -32,6 +35,9 @@ class SupportSettings:
     most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
     # Over the weight, above which a point is passed in motion.
     inertia: float = tolerances.STATIC_INERTIA
+    fall: float = math.inf  # m, that a block has moved with the supports held, when it has fallen
+    jump_time_step: float = tolerances.JUMP_TIME_STEP  # s, first one with the supports held
+    jump_steps: int = 5000  # with the supports held, after which it has fallen
     # Of the largest reaction, by which it may leave its course in a step.
     bend_share: float = tolerances.SUPPORT_BEND
     time_step: float = 0.0  # s, of engines of dynamic formulations
@@ -50,6 +56,9 @@ class _State:
     jumps: int = 0  # in a row
     # m, motion of the fastest block over that of the supports in the last step
     motion_ratio: float = 0.0
+    held_step: float = 0.0  # s, time step while the supports are held; 0 while they move
+    n_held: int = 0  # of these steps in a row
+    travelled: float = 0.0  # m, in these steps
 
 
 class SupportControl(Strategy[_State]):
@@ -70,15 +79,20 @@ class SupportControl(Strategy[_State]):
     def _demand(self, state: _State) -> Demand:
         s = self.settings
         left = s.largest - state.moved
+        if state.held_step:
+            push = 0.0 if state.n_held else min(self._floor(), left)
+            return Demand(settlement=push, time_step=state.held_step)
         return Demand(settlement=min(state.step, left), time_step=s.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Try again with less where a step fails or is a jump; else go on."""
-        s, step = self.settings, demand.settlement or 0.0
-        floor = s.floor_share * s.step
+        if state.held_step:
+            return self._held(state, demand, report)
+        s, step, floor = self.settings, demand.settlement or 0.0, self._floor()
         usual = max(state.motion_ratio, s.scale)
         jumps = report.converged and report.motion > s.jump_ratio * usual * step
-        if not report.converged or (jumps and (step > floor or state.jumps == s.most_jumps)):
+        may_jump = step <= floor and state.jumps < s.most_jumps
+        if not report.converged or report.unstable or (jumps and not may_jump):
             return self._again(state, report, step)
         advanced = step * report.reached
         slope = (report.reaction - state.reaction) / advanced if advanced else state.slope
@@ -101,19 +115,22 @@ class SupportControl(Strategy[_State]):
             jumps=state.jumps + 1 if jumps else 0,
             motion_ratio=state.motion_ratio if jumps or not advanced else report.motion / advanced,
         )
-        end = None
-        if state.moved >= s.largest * tolerances.ALL_MOVED:
-            end = End(reason=say("end.supports_moved"), finished=True)
-        elif state.n_steps >= s.max_steps:
-            end = End(reason=say("end.supports_steps", n=s.max_steps))
         return self._decided(
             state,
-            end,
+            self._over(state),
             load_multiplier=report.reaction / s.unit,
             dynamic_multipliers=self._dynamic_multipliers(report),
             dynamic=report.dynamic or report.inertia_ratio > s.inertia,
             jumped=jumps,
         )
+
+    def _over(self, state: _State) -> End | None:
+        s = self.settings
+        if state.moved >= s.largest * tolerances.ALL_MOVED:
+            return End(reason=say("end.supports_moved"), finished=True)
+        if state.n_steps >= s.max_steps:
+            return End(reason=say("end.supports_steps", n=s.max_steps))
+        return None
 
     def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
         """Reactions that the curve shows at the dynamic points within a step."""
@@ -127,10 +144,59 @@ class SupportControl(Strategy[_State]):
         return min(2.0 * step if grows else step, s.step)
 
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
-        s, why = self.settings, report.reason or "blocks move on by themselves"
-        if step <= s.floor_share * s.step:
-            end = End(reason=say("end.supports_fall", why=why), finished=True)
-            shown = self._dynamic_multipliers(report)
-            return self._decided(state, end, accept=False, dynamic_multipliers=shown)
-        state = changed(state, step=max(tolerances.SUPPORT_SHORTER * step, s.floor_share * s.step))
+        s = self.settings
+        if step <= self._floor():
+            if s.time_step > 0.0 or state.jumps == s.most_jumps:
+                return self._falls(state, report)
+            state = changed(state, held_step=s.jump_time_step, n_held=0, travelled=0.0)
+            return self._decided(state, accept=False)
+        state = changed(state, step=max(tolerances.SUPPORT_SHORTER * step, self._floor()))
         return self._decided(state, accept=False)
+
+    def _floor(self) -> float:
+        """The smallest step [m]."""
+        return self.settings.floor_share * self.settings.step
+
+    def _held(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
+        """What a step of time with the supports held has come to."""
+        s, h = self.settings, state.held_step
+        if not report.converged:
+            state = changed(state, held_step=0.5 * h)
+            if state.held_step < tolerances.LEAST_JUMP * s.jump_time_step:
+                return self._falls(state, report)
+            return self._decided(state, accept=False)
+        state = changed(
+            state,
+            n_steps=state.n_steps + 1,
+            n_held=state.n_held + 1,
+            travelled=state.travelled + report.motion,
+            moved=state.moved + (demand.settlement or 0.0),
+            reaction=report.reaction,
+            slope=None,
+        )
+        end, inertia = None, max(report.inertia_ratio, report.acceleration)
+        dynamic = not (inertia < s.inertia and h > tolerances.LONG_ENOUGH * s.jump_time_step)
+        if state.travelled > s.fall or state.n_held >= s.jump_steps:
+            end = self._fall(report)
+        elif dynamic:
+            state = changed(state, held_step=tolerances.JUMP_GROWTH * h)
+        else:
+            state = changed(state, held_step=0.0, step=self._floor(), jumps=state.jumps + 1)
+            end = self._over(state)
+        return self._decided(
+            state,
+            end,
+            load_multiplier=report.reaction / s.unit,
+            dynamic_multipliers=self._dynamic_multipliers(report),
+            dynamic=dynamic,
+            jumped=True,
+        )
+
+    def _falls(self, state: _State, report: StepReport) -> Decision[_State]:
+        shown = self._dynamic_multipliers(report)
+        return self._decided(state, self._fall(report), accept=False, dynamic_multipliers=shown)
+
+    @staticmethod
+    def _fall(report: StepReport) -> End:
+        why = report.reason or "blocks move on by themselves"
+        return End(reason=say("end.supports_fall", why=why), finished=True)

@@ -38,7 +38,7 @@ def mark_collapse(axes: Axes, displacement: float, value: float) -> None:
 def marked_points(curve: CapacityCurve) -> list[tuple[tuple[str, ...], CurvePoint]]:
     """First, least, greatest and last reaction of the points at rest; each point once, with all
     its names."""
-    static = [point for point in curve.points if point.status != DYNAMIC] or list(curve.points)
+    static = curve.at_rest
     chosen = [
         ("first", static[0]),
         ("least", min(static, key=lambda point: point.reaction)),

@@ -346,8 +346,7 @@ class CapacityCurve:
     def lowest(self) -> CurvePoint:
         """The static point of lowest load multiplier: the peak of the other sense of a cyclic
         curve."""
-        static = [p for p in self.points if p.status == STATIC] or list(self.points)
-        return min(static, key=lambda p: p.load_multiplier)
+        return min(self.at_rest, key=lambda p: p.load_multiplier)
 
     @property
     def _ultimate_of_cycles(self) -> float | None:
@@ -358,6 +357,11 @@ class CapacityCurve:
         over = abs(last.load_multiplier) <= self.stop_multiplier
         farthest = abs(last.control_displacement) >= out
         return last.control_displacement if over and farthest else None
+
+    @property
+    def at_rest(self) -> list[CurvePoint]:
+        """The points that are not passed in motion; all where there are none."""
+        return [p for p in self.points if p.status == STATIC] or list(self.points)
 
     @property
     def reaction(self) -> Array:
@@ -372,8 +376,7 @@ class CapacityCurve:
     @property
     def peak(self) -> CurvePoint:
         """The static point of highest load multiplier."""
-        static = [p for p in self.points if p.status == STATIC] or list(self.points)
-        return max(static, key=lambda p: p.load_multiplier)
+        return max(self.at_rest, key=lambda p: p.load_multiplier)
 
     @property
     def peak_passed(self) -> bool:

@@ -38,6 +38,9 @@ from drystone.statics.static_step import StaticStep, StepSolution
 #: to 8e-4: by where points lie, not by what is seen of a step.
 SHARES = np.linspace(tolerances.FIRST_SHARE_SEEN, tolerances.LAST_SHARE_SEEN, 19)
 
+#: How far from an unstable equilibrium a stable one is looked for, over the smallest extent.
+DEPARTURES = np.geomspace(tolerances.LEAST_DEPARTURE, tolerances.MOST_DEPARTURE, 7)
+
 
 @dataclass(frozen=True, kw_only=True)
 class StabilitySettings:
@@ -109,9 +112,10 @@ class _Solver(InteriorPoint):
         return True
 
 
-def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
-    """Rayleigh quotients (k,) [1/s2] of the lowest real modes at the equilibrium whose stiffness is
-    factorised, with the prescribed displacement fixed; None where that is singular.
+def modes(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
+    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, and the modes (k, n, n_dof), at the
+    equilibrium whose stiffness is factorised, with the prescribed displacement fixed; None where
+    that is singular.
 
     Complex pairs move to and fro, and so back where joints slide, which they would not: they are
     not of the stiffness that was linearised.
@@ -133,16 +137,18 @@ def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
                 solve_bordered(bordered, column, 0.0)
         if not np.isfinite(y).all():
             return None
-    ritz = np.linalg.eigvals((x * mass).reshape(n, -1) @ y.reshape(n, -1).T)
+    ritz, shares = np.linalg.eig((x * mass).reshape(n, -1) @ y.reshape(n, -1).T)
+    real = ritz.imag == 0.0
+    fields = np.tensordot(shares.real[:, real].T, y, axes=1)
     with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / ritz.real[ritz.imag == 0.0])
+        return np.asarray(1.0 / ritz.real[real]), fields
 
 
 def grows(step: StaticStep, s: StabilitySettings) -> bool:
     """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
     is factorised and has been solved with."""
-    found = quotients(step, s)
-    return found is None or bool((found < -s.neutral).any())
+    found = modes(step, s)
+    return found is None or bool((found[0] < -s.neutral).any())
 
 
 def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array | None]:
@@ -153,13 +159,39 @@ def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array |
     if slope is None:
         return False, math.nan, None
     tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
-    found = quotients(step, s)
-    if found is None:
-        found = np.zeros(0)
+    lowest = modes(step, s)
+    found = np.zeros(0) if lowest is None else lowest[0]
     # One more grows if the determinant says that there is another, which is none of the lowest.
     odd = np.count_nonzero(found < 0.0) % 2 == 1
     stable = not (found < -s.neutral).any() and step.stable != odd
     return stable, math.nan if tangent is None else slope, tangent
+
+
+def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
+    """Whether a stable equilibrium is found beside the unstable one that the step is at, to either
+    side of it by its growing mode.  The step is left there, else where it was.
+
+    Where supports move, a structure with two ways to go, as a portal of which either pier may tilt,
+    has an equilibrium between them, which no structure stays in.
+    """
+    step = solver.step
+    found, x, multiplier = modes(step, settings.stability), step.x.copy(), step.multiplier
+    if found is not None and (found[0] < 0.0).any():
+        # The fastest: the inverse is the largest of what grows, the smallest of what is found.
+        way = found[1][int(np.argmin(found[0]))]
+        way = way / step.detector.farthest(way)
+        for length in DEPARTURES * step.loaded.prepared.assembly.smallest_extent:
+            for guess in (x + length * way, x - length * way):
+                step.restart(guess, multiplier)
+                if (
+                    solver.find(guess, multiplier, warm=True, full_search=False, follows=True)
+                    and solver.update_contacts(settings.contact_updates)
+                    and _judge(step, settings.stability)[0]
+                ):
+                    return True
+    step.restart(x, multiplier)
+    solver.newton(WARM_PATIENCE)
+    return False
 
 
 def _orthonormal(x: Array, mass: Array) -> Array:
@@ -243,6 +275,9 @@ def solve(
     stable, end, tangent = True, math.nan, None
     if found and follows:
         stable, end, tangent = _judge(step, settings.stability)
+        if not stable and prescribed is None:
+            stable = _leave(solver, settings)
+            moved = farthest(step.x)
         if not stable and (fold is None or math.isfinite(fold.drop)):
             fold = Fold(1.0, step.multiplier)
     if not found:

@@ -94,15 +94,16 @@ def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
 
 def _support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     """Of supports that move: how their reaction goes, in N and m, or in N m and rad."""
-    settlement, reaction = model.settlement, curve.reaction
-    least, greatest = int(reaction.argmin()), int(reaction.argmax())
+    settlement = model.settlement
+    least = min(curve.at_rest, key=lambda point: point.reaction)
+    greatest = max(curve.at_rest, key=lambda point: point.reaction)
     return {
         "support_motion": settlement.words if settlement is not None else "",
-        "initial_reaction": reaction[0],
-        "least_reaction": reaction[least],
-        "least_reaction_at": curve.points[least].control_displacement,
-        "greatest_reaction": reaction[greatest],
-        "greatest_reaction_at": curve.points[greatest].control_displacement,
+        "initial_reaction": curve.points[0].reaction,
+        "least_reaction": least.reaction,
+        "least_reaction_at": least.control_displacement,
+        "greatest_reaction": greatest.reaction,
+        "greatest_reaction_at": greatest.control_displacement,
         "largest_motion": curve.points[-1].control_displacement,
         "stands": settlement is not None
         and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),

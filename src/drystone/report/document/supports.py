@@ -28,17 +28,15 @@ def of_analysis(curve: CapacityCurve, model: Model | None, words: Words) -> list
     if not curve.points:
         return rows
     shown = Quantities.of(curve)
-    reaction = curve.reaction
     found = {
-        "reaction_first": 0,
-        "reaction_least": int(reaction.argmin()),
-        "reaction_greatest": int(reaction.argmax()),
-        "reaction_last": len(reaction) - 1,
+        "reaction_first": curve.at_rest[0],
+        "reaction_least": min(curve.at_rest, key=lambda point: point.reaction),
+        "reaction_greatest": max(curve.at_rest, key=lambda point: point.reaction),
+        "reaction_last": curve.at_rest[-1],
     }
-    for name, row in found.items():
-        point = curve.points[row]
+    for name, point in found.items():
         at = shown.motion_text(point.control_displacement)
-        text = f"{number(float(reaction[row]), shown.force_unit, 5)} {words['at']} {at}"
+        text = f"{number(float(point.reaction), shown.force_unit, 5)} {words['at']} {at}"
         rows.append((words[name], text))
     if curve.events:
         rows.append((words["events"], "; ".join(spoken(event.said) for event in curve.events)))
