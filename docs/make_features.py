@@ -169,7 +169,7 @@ def supports(dimension: int) -> dict[str, str]:
         )
         for name, keys in moves.items()
     }
-    found["rollers"] = text_of(dimension, block='held = ["y", "turn"]\n')
+    found["rollers"] = text_of(dimension, block='held = ["turn"]\n')
     return found
 
 

@@ -27,6 +27,7 @@ from drystone.model.builders import (
     stack,
 )
 from drystone.model.joint_law import JointLaw
+from drystone.model.ties import Tie, TieEnd
 
 EXACT = 1e-9
 B, H = 0.4, 0.9  # m
@@ -198,6 +199,29 @@ def test_a_ceiling_locks_joints_that_must_open_but_not_those_that_need_not():
     assert other.status == "finished"
     assert other.load_multiplier == pytest.approx(0.5, abs=EXACT)
     assert other.collapse_range == (pytest.approx(0.5, abs=EXACT), np.inf)
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("yields_at", [1e6, 50.0])
+def test_what_has_no_limit_of_strength_locks(flow, yields_at):
+    """A flat block and a bar that pulls it back, of 50 times its weight or as good as without a limit."""
+    weight = 2.0 * 0.5 * UNIT_WEIGHT
+    bar = Tie(
+        start=TieEnd(block="b1", point=(-1.0, 0.25)),
+        end=TieEnd(point=(-3.0, 0.25)),
+        stiffness=1e6,
+        yield_force=yields_at * weight,
+        compression=False,
+    )
+    blocks = stack(widths=[2.0], heights=[0.5], unit_weight=UNIT_WEIGHT)
+    held = make_model(
+        blocks, joint=joint(0.6), thickness=1.0, load_direction=(1.0, 0.0), ties=[bar]
+    )
+    found = collapse_load(held, flow=flow)
+    if yields_at < 1e3:
+        assert found.load_multiplier == pytest.approx(yields_at + 0.6, abs=EXACT)
+    else:
+        assert found.status == "locked" and found.load_multiplier == np.inf
 
 
 def test_a_load_straight_down_locks():

@@ -236,6 +236,8 @@ def _collapses(
         falling = bounds.fall(equilibrium)
         return tuple(_unstable(equilibrium, flow, falling) for flow in flows)
     answer = bounds.collapse(equilibrium)
+    if answer.status == OPTIMAL and equilibrium.loads_what_never_yields(answer.forces):
+        answer = replace(answer, status=UNBOUNDED, factor=np.inf)
     settings = settings or NonAssociativeSettings(n_paths=default_paths(assembly))
     upper = answer.factor if most is None else max(answer.factor, most)
     results = []
@@ -250,6 +252,13 @@ def _collapses(
                 resting=dead.forces[:, 0],
                 settings=settings,
             )
+            limited = [
+                state
+                for state in paths.states
+                if not equilibrium.loads_what_never_yields(state.forces)
+            ]
+            more = len(paths.states) - len(limited)
+            paths = replace(paths, states=tuple(limited), n_unbounded=paths.n_unbounded + more)
             results.append(_non_associative(equilibrium, paths, settings, answer.factor, upper))
     return tuple(results)
 
@@ -262,8 +271,8 @@ def default_paths(assembly: Assembly) -> int:
 NOT_SOLVED = "the program could not be solved: are blocks or strengths of extreme sizes?"
 NO_LOAD = "supports move in this model, and no load grows: give a [load]"
 LOCKED = (
-    "no finite multiplier: the joints' friction alone can carry any multiple of the load in this "
-    "direction"
+    "no finite multiplier: friction, or what has no limit of strength, can carry any multiple of "
+    "the load in this direction"
 )
 
 

@@ -22,11 +22,14 @@ from drystone.common.arrays import Array
 from drystone.geometry.motion import moments
 from drystone.limit.crushing import rows_of, spread, with_crushing_points
 from drystone.limit.joints import ContactPoints, contact_points
-from drystone.limit.tied import rollers, with_ties
+from drystone.limit.tied import UNBOUNDED, rollers, with_ties
 from drystone.limit.tied import rows_of as tied_rows
 from drystone.model.assembly import Assembly
 from drystone.model.loading import Acting, DeadForces, DeadLoad, LoadPattern
 from drystone.model.ties import Tie
+
+#: How near to its strength, relatively, a tie yields: programs from within stop short of it.
+YIELDING = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,6 +143,16 @@ class Equilibrium:
             return None
         n = self.n_joined
         return -self.force * forces[n : n + self.n_drawn, 0]
+
+    def loads_what_never_yields(self, forces: Array) -> bool:
+        """Whether ``forces`` (n_contacts, dim) make a tie yield that has no limit of strength, as a
+        spring or a roller: what the programs take for one is all that limits the load."""
+        own = slice(self.n_joined, self.n_joined + self.n_ties)
+        strength = self.tension[own]
+        weight = float(self.assembly.weight[~self.assembly.fixed].sum())
+        endless = strength >= (1.0 - YIELDING) * UNBOUNDED * weight / self.force
+        yielding = np.abs(forces[own, 0]) >= (1.0 - YIELDING) * strength
+        return bool((endless & yielding).any())
 
     def residual(self, forces: Array, multiplier: float) -> float:
         """Largest unbalanced force or moment, in scaled units, of ``forces`` (n_contacts, dim)."""

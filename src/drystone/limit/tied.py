@@ -20,7 +20,8 @@ from drystone.model.assembly import Assembly
 from drystone.model.ties import Tie, TieEnd
 from drystone.model.ties import spring as spring_between
 
-#: Strength of what has none, such as springs, over the weight of all blocks.
+#: Strength of what has none, such as springs, over the weight of all blocks.  Where it is reached,
+#: there is no finite multiplier.
 UNBOUNDED = 1e3
 
 #: How far off a bar is that holds a rotation, over the block's radius of gyration: its force is no
