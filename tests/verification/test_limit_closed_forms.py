@@ -204,7 +204,7 @@ def test_a_ceiling_locks_joints_that_must_open_but_not_those_that_need_not():
 @pytest.mark.parametrize("flow", FLOWS)
 @pytest.mark.parametrize("yields_at", [1e6, 50.0])
 def test_what_has_no_limit_of_strength_locks(flow, yields_at):
-    """A flat block and a bar that pulls it back, of 50 times its weight or as good as without a limit."""
+    """A flat block and a bar that pulls it back, of 50 times its weight or as good as endless."""
     weight = 2.0 * 0.5 * UNIT_WEIGHT
     bar = Tie(
         start=TieEnd(block="b1", point=(-1.0, 0.25)),
