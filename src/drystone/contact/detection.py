@@ -6,6 +6,7 @@ half of that since; blocks that touch later are therefore always found.
 
 from __future__ import annotations
 
+import math
 from functools import reduce
 from typing import Any, Protocol
 
@@ -81,8 +82,13 @@ class Detector:
         self.assembly = assembly
         #: What knows the dimension.
         self.narrow = narrow_phase(assembly)
-        #: Largest gap at which a contact is watched [m].
-        self.reach = MARGIN_SHARE * assembly.smallest_extent
+        #: By how much blocks may come nearer before pairs and contacts are found anew [m].
+        self.margin = MARGIN_SHARE * assembly.smallest_extent
+        #: Largest gap at which a contact is watched [m]: what has dilated presses across it.
+        self.reach = self.margin + max(
+            assembly.dilatancy_end(law) * math.tan(math.radians(law.dilatancy_angle))
+            for law in assembly.laws
+        )
         shapes = assembly.shapes
         #: First part of each body.
         self.first_part = np.searchsorted(shapes.body, np.arange(assembly.n_bodies))
@@ -122,7 +128,7 @@ class Detector:
     def outdated(self, found_at: Array, pose: Array) -> bool:
         """Whether some block has moved so far from poses in which pairs were found that one may be
         missing."""
-        return self.farthest(self.assembly.difference(pose, found_at)) > 0.5 * self.reach
+        return self.farthest(self.assembly.difference(pose, found_at)) > 0.5 * self.margin
 
     def travelled(self, pose: Array) -> Array:
         """Bound on how far any point of each block is from its designed place [m], (n,)."""

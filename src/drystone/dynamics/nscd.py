@@ -229,7 +229,7 @@ class NscdEngine(Engine[NscdState]):
         if solved.residual > tolerance:
             share = solved.residual / scale
             reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
-        elif motion > self.settings.max_motion * state.prepared.detector.reach:
+        elif motion > self.settings.max_motion * state.prepared.detector.margin:
             reason = "a block moves too far in one step"
         if reason:
             return state, StepReport(

@@ -41,7 +41,7 @@ def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
         if not law.softens:
             row[COHESION] = law.cohesion
             row[TENSION] = law.tensile_strength
-        row[DILATANCY_END] = law.dilatancy_end
+        row[DILATANCY_END] = assembly.dilatancy_end(law) if law.dilatancy_angle > 0.0 else math.inf
         if law.yields:
             row[YIELDS:] = _yielding(law)
     return table

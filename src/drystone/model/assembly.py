@@ -336,6 +336,18 @@ class Assembly:
         return float(self.extents[~self.fixed].min())
 
     @cached_property
+    def longest_slide(self) -> float:
+        """The length of the longest movable block [m], twice the way from its centroid to its
+        farthest vertex: what has slid so far has left the joint it was in."""
+        moving = np.flatnonzero(~self.fixed)
+        offsets = (self.blocks[i].vertices - self.centroid[i] for i in moving)
+        return 2.0 * max(float(np.linalg.norm(offset, axis=1).max()) for offset in offsets)
+
+    def dilatancy_end(self, law: JointLaw) -> float:
+        """Slip after which joints of a law dilate no more [m]."""
+        return min(law.dilatancy_end, self.longest_slide)
+
+    @cached_property
     def ids(self) -> tuple[str, ...]:
         """Names of the blocks, in the order of the arrays."""
         return tuple(block.id for block in self.blocks)
