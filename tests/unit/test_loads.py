@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
-from drystone.analysis.directions import towards
+from drystone.analysis.directions import around, towards
 from drystone.cli import app
 from drystone.engines.base import EngineError
 from drystone.model.loading import Acting, DeadForces
@@ -411,3 +411,69 @@ class TestModalOfLooseBlocks:
 def box(name, x, y, **more):
     vertices = [[x, y], [x + 0.4, y], [x + 0.4, y + 0.2], [x, y + 0.2]]
     return ds.Block(id=name, vertices=vertices, unit_weight=2e4, **more)
+
+
+class TestOpposedForces:
+    """Two piers pushed apart, the slender one by a little less."""
+
+    @pytest.mark.parametrize("direction", [None, (1.0, 0.0)])
+    def test_a_block_is_watched_along_its_own_force(self, direction):
+        """The slender pier rocks about its corner: lambda F h = W b / 2."""
+
+        def box(name, x, length, **more):
+            outline = np.array([(x, 0.0), (x + length, 0.0), (x + length, 2.0), (x, 2.0)])
+            return ds.Block(id=name, vertices=outline, unit_weight=2e4, **more)
+
+        ground = np.array([(-1.0, -0.3), (5.0, -0.3), (5.0, 0.0), (-1.0, 0.0)])
+        forces = [
+            ds.PointForce(block="a", point="top", force=(1000.0, 0.0)),
+            ds.PointForce(block="b", point="top", force=(-1001.0, 0.0)),
+        ]
+        model = ds.make_model(
+            [
+                ds.Block(id="ground", vertices=ground, unit_weight=2e4, support=True),
+                box("a", 3.0, 0.5),
+                box("b", 0.0, 1.5),
+            ],
+            joint=ds.JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9),
+            thickness=1.0,
+            load=ds.ForcesPattern(entries=tuple(forces)),
+            control_block="a",
+            control_direction=direction,
+        )
+        assert model.control_point.direction == pytest.approx([1.0, 0.0])
+        curve = ds.pushover(model)
+        assert curve.status == "finished"
+        assert curve.peak.load_multiplier == pytest.approx(2e4 * 0.25 / (1000.0 * 2.0), rel=2e-3)
+
+    def test_across_the_load_is_refused_all_the_same(self, tmp_path):
+        with pytest.raises(ds.ModelError, match="against the load or across it"):
+            read(tmp_path).with_control(direction=(-1.0, 0.0))
+
+
+def test_in_opposite_directions_the_control_points_mirror_each_other(tmp_path):
+    """Of a block that topples, all upper corners are as fast: the leading one is watched."""
+    path = tmp_path / "column.toml"
+    path.write_text(
+        """dimension = 3
+[material.stone]
+unit_weight = 2e4
+[joint]
+friction_coefficient = 0.6
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[[block]]
+id = "ground"
+box = [[-1.0, -1.0, -0.3], [1.0, 1.0, 0.0]]
+support = true
+[[block]]
+id = "b"
+box = [[-0.2, -0.2, 0.0], [0.2, 0.2, 1.0]]
+[load]
+pattern = "mass"
+direction = [1.0, 0.0, 0.0]
+"""
+    )
+    models = around(ds.read_model(path), [0.0, 90.0, 180.0, 270.0])
+    leading = [float(one.control_point.point @ one.load_along) for one in models]
+    assert leading == pytest.approx([0.2] * 4)

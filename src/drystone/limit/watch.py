@@ -34,7 +34,9 @@ def fastest_point(model: Model, velocities: Array) -> ControlPoint:
     """The control point where a mechanism (n, n_dof) moves fastest along the control direction.
 
     Of points that are equally fast, as those of a block that slides, the highest is taken: where
-    the block topples later, that one goes on, and one below turns back.
+    the block topples later, that one goes on, and one below turns back.  Of these it is the
+    farthest along the direction, as where no one names a control point: structures that mirror each
+    other are then watched at points that do.
     """
     assembly, control = model.assembly, model.control_point
     outlines = [np.asarray(block.vertices, float) for block in assembly.blocks]
@@ -44,8 +46,11 @@ def fastest_point(model: Model, velocities: Array) -> ControlPoint:
     fastest = float(speed.max())
     if fastest <= STILL_SPEED:
         return control
-    height = np.where(speed >= (1.0 - EQUAL) * fastest, points @ assembly.up, -np.inf)
-    k = int(np.argmax(height >= height.max() - EQUAL * assembly.smallest_extent))  # the first
+    chosen, same = speed >= (1.0 - EQUAL) * fastest, EQUAL * assembly.smallest_extent
+    for along in (assembly.up, control.direction):
+        place = np.where(chosen, points @ along, -np.inf)
+        chosen = place >= place.max() - same
+    k = int(np.argmax(chosen))  # the first
     return replace(control, block=int(owner[k]), point=points[k])
 
 

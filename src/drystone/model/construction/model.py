@@ -6,8 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from drystone.common.names import quoted, there_is_no
 from drystone.common.ranges import LARGEST, problem, too_many
+from drystone.common.tolerances import TINY
 from drystone.common.vectors import unit_vector
 from drystone.geometry import GeometryError
 from drystone.geometry.dimension import dimension_of
@@ -28,6 +31,7 @@ from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted, straighte
 from drystone.model.history import History
 from drystone.model.joint_law import JointLaw
 from drystone.model.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
+from drystone.model.loading.base import Directed
 from drystone.model.model import Analysis, Model, Origin
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
@@ -300,8 +304,16 @@ def _control(
         control = choose_control_point(assembly, load_direction, **wanted)
     except ModelError as error:
         raise ModelError(problems + error.problems) from None
+    sides = [load_direction]
+    if not isinstance(load, Directed):  # its forces may push in opposite senses
+        force = load.forces(assembly).without(assembly.fixed).force
+        own, most = force[control.block], float(np.linalg.norm(force, axis=1).sum())
+        if wanted.get("direction") is None and float(own @ load_direction) < -AGAINST * most:
+            control = replace(control, direction=own / np.linalg.norm(own))
+        couple = float(np.linalg.norm(force.sum(axis=0))) <= AGAINST * most
+        sides += [control.direction] if couple else [own / max(most, TINY)]
     loaded = not isinstance(load, NoPattern)
-    if loaded and not float(control.direction @ load_direction) > AGAINST:
+    if loaded and not any(float(control.direction @ side) > AGAINST for side in sides):
         problems.append(
             "control.direction: leads against the load or across it, so that the control "
             "displacement would not grow as the load does: turn it to the load's side"
