@@ -54,6 +54,27 @@ def test_curves_begin_where_the_load_does(engine):
     )
 
 
+def lifted():
+    """A block of 0.4 by 0.9 m on a base of 2 m that a load lifts."""
+    base = rectangle(-1, -1, 2, 1)
+    blocks = [
+        Block(id="base", vertices=base, unit_weight=UNIT_WEIGHT, support=True),
+        Block(id="b", vertices=rectangle(-0.2, 0.0, 0.4, 0.9), unit_weight=UNIT_WEIGHT),
+    ]
+    return make_model(blocks, joint=PUBLISHED_JOINT, thickness=1.0, load_direction=(0.0, 1.0))
+
+
+@pytest.mark.parametrize("most", [None, 3.0])
+def test_a_block_that_is_lifted_stops_the_run(most):
+    """Its weight is what it takes, for ever: the run stops where it has risen by 2 m, or as far
+    as it is asked to."""
+    options = {} if most is None else {"max_displacement": most}
+    curve = pushover(lifted(), **options)
+    assert curve.status == ("stopped" if most is None else "finished")
+    assert curve.control_displacement[-1] == pytest.approx(most or 2.0, abs=0.1)
+    assert curve.peak.load_multiplier == pytest.approx(1.0, rel=1e-6)
+
+
 @ENGINES
 def test_the_largest_displacement_counts_from_where_the_load_begins(engine):
     settlement = pushover(leaning(), engine=engine, max_steps=1).settlement

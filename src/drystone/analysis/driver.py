@@ -55,6 +55,7 @@ from drystone.engines.base import (
 from drystone.engines.frame import Frame
 from drystone.engines.framed import framed
 from drystone.engines.refusal import others
+from drystone.model.assembly import Assembly
 from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.checkpoint import Checkpoint, Past, Standing
@@ -661,7 +662,7 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
         for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
         for f in fields(cls)
     }
-    known = (known - {"stops"}) | {"mechanism_displacement", *SITTING}
+    known = (known - {"stops", "farthest"}) | {"mechanism_displacement", *SITTING}
     unknown = [key for key in options if key not in known and key not in STOPS]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
@@ -671,6 +672,12 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
     return options
+
+
+def _size(assembly: Assembly) -> float:
+    """The largest extent of the whole structure, supports included [m]."""
+    vertices = np.concatenate([block.vertices for block in assembly.blocks])
+    return float(np.ptp(vertices, axis=0).max())
 
 
 def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[Any]:
@@ -684,7 +691,8 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
             f"[analysis] displacement_step of {asked:g} m is too coarse to see the peak: take at "
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
-    step = {"displacement_step": STEP_SHARE * frame.size}
+    farthest = max(_size(model.assembly), options.get("max_displacement", 0.0))
+    step = {"displacement_step": STEP_SHARE * frame.size, "farthest": farthest}
     said = asdict(engine.preferred_steps(model.assembly))
     preferred = {key: value for key, value in said.items() if value is not None}
     if model.settlement is not None:

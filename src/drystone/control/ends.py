@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from drystone.common import tolerances
@@ -40,6 +41,7 @@ class EndSettings:
         tolerances.STOP_MULTIPLIER
     )  # under which the curve ends, after the peak
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
+    farthest: float = math.inf  # m, that the control point moves: what is lifted has no end
 
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
@@ -76,6 +78,8 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     for stop, value in s.stops:
         if not stop.first and (end := stop.end(value, p)):
             return end
+    if p.displacement > s.farthest:
+        return End(reason=say("end.farthest", most=s.farthest))
     return None
 
 
