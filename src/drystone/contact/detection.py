@@ -1,7 +1,8 @@
 """Contact detection: from an assembly and poses to the slots of its narrow phase.
 
-The pair list is made for boxes grown by a margin and stays good until some block has moved by
-half of that since; blocks that touch later are therefore always found.
+The pair list is made for boxes grown by a margin, and by half of what joints may dilate; it stays
+good until some block has moved by half the margin since.  Blocks that touch later are therefore
+always found.
 """
 
 from __future__ import annotations
@@ -115,7 +116,8 @@ class Detector:
         """
         fixed, of_part = self.assembly.fixed, self.assembly.shapes.body
         lower, upper = self._part_extents(pose, np.eye(self.assembly.dimension))
-        part_a, part_b = candidate_pairs(lower - self.reach, upper + self.reach)
+        apart = 0.5 * (self.reach + self.margin)  # for each of the two boxes
+        part_a, part_b = candidate_pairs(lower - apart, upper + apart)
         a, b = of_part[part_a], of_part[part_b]
         near = (a != b) & ~(fixed[a] & fixed[b])
         if departed is not None and departed.any():

@@ -78,7 +78,7 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     for stop, value in s.stops:
         if not stop.first and (end := stop.end(value, p)):
             return end
-    if p.displacement > s.farthest:
+    if p.static and abs(p.displacement) > s.farthest * (1.0 + tolerances.ROUNDING):
         return End(reason=say("end.farthest", most=s.farthest))
     return None
 

@@ -36,8 +36,9 @@ class SupportSettings:
     # Over the weight, above which a point is passed in motion.
     inertia: float = tolerances.STATIC_INERTIA
     fall: float = math.inf  # m, that a block has moved with the supports held, when it has fallen
-    jump_time_step: float = tolerances.JUMP_TIME_STEP  # s, first one with the supports held
-    jump_steps: int = 5000  # with the supports held, after which it has fallen
+    # s, first one with the supports held; 0 of engines that cannot follow them so
+    jump_time_step: float = 0.0
+    jump_steps: int = 5000  # with the supports held, after which the motion is not followed further
     # Of the largest reaction, by which it may leave its course in a step.
     bend_share: float = tolerances.SUPPORT_BEND
     time_step: float = 0.0  # s, of engines of dynamic formulations
@@ -113,7 +114,7 @@ class SupportControl(Strategy[_State]):
             greatest=greatest,
             step=self._next(step, report),
             jumps=state.jumps + 1 if jumps else 0,
-            motion_ratio=state.motion_ratio if jumps or not advanced else report.motion / advanced,
+            motion_ratio=report.motion / advanced if advanced else state.motion_ratio,
         )
         return self._decided(
             state,
@@ -146,7 +147,7 @@ class SupportControl(Strategy[_State]):
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
         s = self.settings
         if step <= self._floor():
-            if s.time_step > 0.0 or state.jumps == s.most_jumps:
+            if s.jump_time_step == 0.0 or state.jumps == s.most_jumps:
                 return self._falls(state, report)
             state = changed(state, held_step=s.jump_time_step, n_held=0, travelled=0.0)
             return self._decided(state, accept=False)
@@ -176,10 +177,15 @@ class SupportControl(Strategy[_State]):
         )
         end, inertia = None, max(report.inertia_ratio, report.acceleration)
         dynamic = not (inertia < s.inertia and h > tolerances.LONG_ENOUGH * s.jump_time_step)
-        if state.travelled > s.fall or state.n_held >= s.jump_steps:
+        if state.travelled > s.fall:
             end = self._fall(report)
+        elif state.n_held >= s.jump_steps:
+            end = End(reason=say("end.no_rest", n=s.jump_steps))
         elif dynamic:
-            state = changed(state, held_step=tolerances.JUMP_GROWTH * h)
+            longest = tolerances.LONGEST_HELD * s.jump_time_step
+            state = changed(state, held_step=min(tolerances.JUMP_GROWTH * h, longest))
+            if state.n_steps >= s.max_steps:
+                end = End(reason=say("end.supports_steps", n=s.max_steps))
         else:
             state = changed(state, held_step=0.0, step=self._floor(), jumps=state.jumps + 1)
             end = self._over(state)

@@ -189,6 +189,8 @@ class Capabilities:
     prescribes_displacement: bool = False
     #: Whether it can move supports, see `Problem.settlement`.
     moves_supports: bool = False
+    #: Whether a `Demand` for them may have a time step, in which what moves is followed in time.
+    moves_supports_in_time: bool = False
     #: Whether it has supports that are restrained in some directions only, and ties.
     rollers: bool = False
     ties: bool = False

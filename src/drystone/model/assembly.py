@@ -336,9 +336,15 @@ class Assembly:
         return float(self.extents[~self.fixed].min())
 
     @cached_property
+    def largest_extent(self) -> float:
+        """Of the whole structure along an axis, supports included [m]."""
+        vertices = np.concatenate([block.vertices for block in self.blocks])
+        return float(np.ptp(vertices, axis=0).max())
+
+    @cached_property
     def longest_slide(self) -> float:
         """The length of the longest movable block [m], twice the way from its centroid to its
-        farthest vertex: what has slid so far has left the joint it was in."""
+        farthest vertex: by convention, joints dilate no more after such a slide."""
         moving = np.flatnonzero(~self.fixed)
         offsets = (self.blocks[i].vertices - self.centroid[i] for i in moving)
         return 2.0 * max(float(np.linalg.norm(offset, axis=1).max()) for offset in offsets)

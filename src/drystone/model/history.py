@@ -58,8 +58,7 @@ def problems_of(
         return [f"{place}[{k}]: the control point is {where}: take it out"]
     if assembly is None:
         return []
-    corners = np.vstack([block.vertices for block in assembly.blocks])
-    size = float(np.ptp(corners, axis=0).max())
+    size = assembly.largest_extent
     beyond = np.flatnonzero(np.abs(values[1:]) > MOST_SIZES * size)
     if len(beyond):
         k = int(beyond[0]) + 1

@@ -130,6 +130,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         yielding=frozenset(Yielding),
         prescribes_displacement=True,
         moves_supports=True,
+        moves_supports_in_time=True,
         in_own_frame=True,
         keeps_states=True,
         resumes=True,

@@ -177,18 +177,19 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
     step = solver.step
     found, x, multiplier = modes(step, settings.stability), step.x.copy(), step.multiplier
     if found is not None and (found[0] < 0.0).any():
-        # The fastest: the inverse is the largest of what grows, the smallest of what is found.
+        # The fastest of them, that of the most negative quotient.
         way = found[1][int(np.argmin(found[0]))]
         way = way / step.detector.farthest(way)
         for length in DEPARTURES * step.loaded.prepared.assembly.smallest_extent:
             for guess in (x + length * way, x - length * way):
-                step.restart(guess, multiplier)
+                step.again()
                 if (
                     solver.find(guess, multiplier, warm=True, full_search=False, follows=True)
                     and solver.update_contacts(settings.contact_updates)
                     and _judge(step, settings.stability)[0]
                 ):
                     return True
+    step.again()
     step.restart(x, multiplier)
     solver.newton(WARM_PATIENCE)
     return False

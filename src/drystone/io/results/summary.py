@@ -94,6 +94,8 @@ def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
 
 def _support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     """Of supports that move: how their reaction goes, in N and m, or in N m and rad."""
+    from drystone.results.curve import STATIC
+
     settlement = model.settlement
     least = min(curve.at_rest, key=lambda point: point.reaction)
     greatest = max(curve.at_rest, key=lambda point: point.reaction)
@@ -106,6 +108,7 @@ def _support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "greatest_reaction_at": greatest.control_displacement,
         "largest_motion": curve.points[-1].control_displacement,
         "stands": settlement is not None
+        and curve.points[-1].status == STATIC
         and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),
     }
 

@@ -308,8 +308,6 @@ def _control(
     if not isinstance(load, Directed):  # its forces may push in opposite senses
         force = load.forces(assembly).without(assembly.fixed).force
         own, most = force[control.block], float(np.linalg.norm(force, axis=1).sum())
-        if wanted.get("direction") is None and float(own @ load_direction) < -AGAINST * most:
-            control = replace(control, direction=own / np.linalg.norm(own))
         couple = float(np.linalg.norm(force.sum(axis=0))) <= AGAINST * most
         sides += [control.direction] if couple else [own / max(most, TINY)]
     loaded = not isinstance(load, NoPattern)
