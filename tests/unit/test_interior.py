@@ -172,8 +172,8 @@ def test_a_block_has_no_more_modes_than_motions():
     step, stability = engine.last, engine.settings.solution.stability
     assert solution._judge(step, stability)[0]
     free = np.count_nonzero(~problem.assembly.fixed)
-    assert len(solution.modes(step, stability)[0]) == min(4, 3 * free - 1)
-    assert (solution.modes(step, stability)[0] > 0.0).all()
+    assert len(solution.quotients(step, stability)) == min(4, 3 * free - 1)
+    assert (solution.quotients(step, stability) > 0.0).all()
 
 
 def test_a_cubic_exceeds_its_ends():

@@ -42,8 +42,7 @@ def plate(chip=False):
     ],
 )
 def test_it_rises_and_carries_on(engine, chip, space):
-    """It rises by the tangent of the angle times its slide, and by no more than its own length:
-    then it has left the joint it was in."""
+    """It rises by the tangent of the angle times its slide, which counts up to its own length."""
     model = extruded(plate(chip)) if space else plate(chip)
     curve = ds.pushover(
         model, engine=engine, displacement_step=0.002, max_points=600, keep_poses=True

@@ -62,8 +62,13 @@ def test_what_a_shrinking_joint_releases(ratio):
 
 
 def test_the_error_of_the_balance_is_that_of_its_quadrature():
-    """A wall that is crushed under a toe: steps in 1, 2, 4, 8 parts leave less and less."""
-    errors = [energy_of(bonded_wall(19), parts=parts)[1].error for parts in (1, 2, 4, 8)]
-    assert errors[0] > 3e-4  # there is one to see
+    """A wall that is crushed under a toe: steps in 1, 2, 4, 8 parts leave less and less.
+
+    The curve may bend by more within a step than by default, so that there is an error to see.
+    """
+    errors = [
+        energy_of(bonded_wall(19), parts=parts, bend_share=0.016)[1].error for parts in (1, 2, 4, 8)
+    ]
+    assert errors[0] > 1e-3
     for coarse, fine in pairwise(errors):
         assert fine < 0.5 * coarse  # of second order where no contact changes, of first elsewhere

@@ -340,8 +340,8 @@ def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
 
     shown = Quantities.of(curve)
     force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
-    first, last = curve.at_rest[0], curve.at_rest[-1]
-    least = min(curve.at_rest, key=lambda point: point.reaction)
+    marked = curve.marked_reactions
+    first, least, last = (marked[name] for name in ("first", "least", "last"))
     rows = (
         ("reaction at first", f"{first.reaction:.6g} {force}"),
         ("least reaction", f"{least.reaction:.6g} {force} at {at[least.step]:.5g} {unit}"),

@@ -38,17 +38,11 @@ def mark_collapse(axes: Axes, displacement: float, value: float) -> None:
 def marked_points(curve: CapacityCurve) -> list[tuple[tuple[str, ...], CurvePoint]]:
     """First, least, greatest and last reaction of the points at rest; each point once, with all
     its names."""
-    static = curve.at_rest
-    chosen = [
-        ("first", static[0]),
-        ("least", min(static, key=lambda point: point.reaction)),
-        ("greatest", max(static, key=lambda point: point.reaction)),
-        ("last", static[-1]),
-    ]
+    chosen = curve.marked_reactions
     names: dict[int, list[str]] = {}
-    for name, point in chosen:
+    for name, point in chosen.items():
         names.setdefault(point.step, []).append(name)
-    by_step = {point.step: point for _, point in chosen}
+    by_step = {point.step: point for point in chosen.values()}
     return [(tuple(name), by_step[step]) for step, name in names.items()]
 
 

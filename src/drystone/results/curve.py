@@ -364,6 +364,17 @@ class CapacityCurve:
         return [p for p in self.points if p.status == STATIC] or list(self.points)
 
     @property
+    def marked_reactions(self) -> dict[str, CurvePoint]:
+        """The points at rest of first, least, greatest and last reaction, by these words."""
+        rest = self.at_rest
+        return {
+            "first": rest[0],
+            "least": min(rest, key=lambda point: point.reaction),
+            "greatest": max(rest, key=lambda point: point.reaction),
+            "last": rest[-1],
+        }
+
+    @property
     def reaction(self) -> Array:
         """(n_points,) of supports that move, along their motion [N], or about its axis [N m]."""
         return self.column("reaction")

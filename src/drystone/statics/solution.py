@@ -112,14 +112,10 @@ class _Solver(InteriorPoint):
         return True
 
 
-def modes(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
-    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, and the modes (k, n, n_dof), at the
-    equilibrium whose stiffness is factorised, with the prescribed displacement fixed; None where
-    that is singular.
-
-    Complex pairs move to and fro, and so back where joints slide, which they would not: they are
-    not of the stiffness that was linearised.
-    """
+def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
+    """Fields (k, n, n_dof) that the lowest modes are made of, at the equilibrium whose stiffness is
+    factorised, with the prescribed displacement fixed, and the matrix (k, k) [s2] of the inverse
+    in them; None where the stiffness is singular."""
     bordered, mass = step.bordered, step.loads.mass
     rng = np.random.default_rng(1)
     free = ~step.loads.fixed[:, None]
@@ -137,18 +133,45 @@ def modes(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
                 solve_bordered(bordered, column, 0.0)
         if not np.isfinite(y).all():
             return None
-    ritz, shares = np.linalg.eig((x * mass).reshape(n, -1) @ y.reshape(n, -1).T)
-    real = ritz.imag == 0.0
-    fields = np.tensordot(shares.real[:, real].T, y, axes=1)
+    return y, (x * mass).reshape(n, -1) @ y.reshape(n, -1).T
+
+
+def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
+    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None where that has
+    none.
+
+    Complex pairs move to and fro, and so back where joints slide, which they would not: they are
+    not of the stiffness that was linearised.
+    """
+    found = _lowest(step, s)
+    if found is None:
+        return None
+    ritz = np.linalg.eigvals(found[1])
     with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / ritz.real[real]), fields
+        return np.asarray(1.0 / ritz.real[ritz.imag == 0.0])
+
+
+def _growing(step: StaticStep, s: StabilitySettings) -> Array | None:
+    """The real mode (n, n_dof) that grows fastest, with a farthest motion of one; None if none
+    grows."""
+    found = _lowest(step, s)
+    if found is None:
+        return None
+    ritz, shares = np.linalg.eig(found[1])
+    rows = np.flatnonzero((ritz.imag == 0.0) & (ritz.real < 0.0))
+    if not len(rows):
+        return None
+    # That of the most negative quotient, which is one over these.
+    fastest = rows[np.argmax(ritz.real[rows])]
+    mode: Array = np.tensordot(shares[:, fastest].real, found[0], axes=1)
+    return mode / step.detector.farthest(mode)
 
 
 def grows(step: StaticStep, s: StabilitySettings) -> bool:
     """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
     is factorised and has been solved with."""
-    found = modes(step, s)
-    return found is None or bool((found[0] < -s.neutral).any())
+    found = quotients(step, s)
+    return found is None or bool((found < -s.neutral).any())
 
 
 def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array | None]:
@@ -159,8 +182,9 @@ def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array |
     if slope is None:
         return False, math.nan, None
     tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
-    lowest = modes(step, s)
-    found = np.zeros(0) if lowest is None else lowest[0]
+    found = quotients(step, s)
+    if found is None:
+        found = np.zeros(0)
     # One more grows if the determinant says that there is another, which is none of the lowest.
     odd = np.count_nonzero(found < 0.0) % 2 == 1
     stable = not (found < -s.neutral).any() and step.stable != odd
@@ -175,20 +199,16 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
     has an equilibrium between them, which no structure stays in.
     """
     step = solver.step
-    found, x, multiplier = modes(step, settings.stability), step.x.copy(), step.multiplier
-    if found is not None and (found[0] < 0.0).any():
-        # The fastest of them, that of the most negative quotient.
-        way = found[1][int(np.argmin(found[0]))]
-        way = way / step.detector.farthest(way)
-        for length in DEPARTURES * step.loaded.prepared.assembly.smallest_extent:
-            for guess in (x + length * way, x - length * way):
-                step.again()
-                if (
-                    solver.find(guess, multiplier, warm=True, full_search=False, follows=True)
-                    and solver.update_contacts(settings.contact_updates)
-                    and _judge(step, settings.stability)[0]
-                ):
-                    return True
+    way, x, multiplier = _growing(step, settings.stability), step.x.copy(), step.multiplier
+    lengths = DEPARTURES * step.loaded.prepared.assembly.smallest_extent
+    for length in [] if way is None else [sense * d for d in lengths for sense in (1.0, -1.0)]:
+        step.again()
+        if (
+            solver.find(x + length * way, multiplier, warm=True, full_search=False, follows=True)
+            and solver.update_contacts(settings.contact_updates)
+            and _judge(step, settings.stability)[0]
+        ):
+            return True
     step.again()
     step.restart(x, multiplier)
     solver.newton(WARM_PATIENCE)

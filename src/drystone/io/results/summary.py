@@ -97,8 +97,7 @@ def _support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     from drystone.results.curve import STATIC
 
     settlement = model.settlement
-    least = min(curve.at_rest, key=lambda point: point.reaction)
-    greatest = max(curve.at_rest, key=lambda point: point.reaction)
+    least, greatest = (curve.marked_reactions[name] for name in ("least", "greatest"))
     return {
         "support_motion": settlement.words if settlement is not None else "",
         "initial_reaction": curve.points[0].reaction,

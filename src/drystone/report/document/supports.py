@@ -28,16 +28,10 @@ def of_analysis(curve: CapacityCurve, model: Model | None, words: Words) -> list
     if not curve.points:
         return rows
     shown = Quantities.of(curve)
-    found = {
-        "reaction_first": curve.at_rest[0],
-        "reaction_least": min(curve.at_rest, key=lambda point: point.reaction),
-        "reaction_greatest": max(curve.at_rest, key=lambda point: point.reaction),
-        "reaction_last": curve.at_rest[-1],
-    }
-    for name, point in found.items():
+    for name, point in curve.marked_reactions.items():
         at = shown.motion_text(point.control_displacement)
         text = f"{number(float(point.reaction), shown.force_unit, 5)} {words['at']} {at}"
-        rows.append((words[name], text))
+        rows.append((words[f"reaction_{name}"], text))
     if curve.events:
         rows.append((words["events"], "; ".join(spoken(event.said) for event in curve.events)))
     return rows
