@@ -273,6 +273,17 @@ class TestCrushing:
         for name in ("control_displacement", "load_multiplier"):
             assert strong.column(name) == pytest.approx(dry.column(name), rel=1e-9, abs=1e-12)
 
+    def test_where_nothing_is_said_a_toe_is_crushed_over_a_part_of_the_joint(self):
+        """A contact at each end alone would carry B/H, as if the toe were not crushed at all."""
+        crushed = 0.2
+        law = joint(1.0, 1e11, compressive_strength=self.weight / crushed)
+        model = stack((self.width, self.height), joint=law)
+        assert model.assembly.points == 9
+        peak = pushover(model, displacement_step=2e-3, max_displacement=0.02).peak.load_multiplier
+        exact = (self.width - crushed) / self.height
+        above = 2.0 * (self.width / 8.0) ** 2 / (8.0 * crushed) / self.height
+        assert exact * (1.0 - 4e-3) <= peak <= exact + above
+
     def test_points_between_the_ends_change_no_dry_block(self):
         """But by what the soft joint closes at the toe: less than 1e-4 of the width."""
         few, many = self.trace(np.inf, 2), self.trace(np.inf, 9)

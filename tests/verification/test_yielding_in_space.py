@@ -179,6 +179,15 @@ class TestToe:
         assert found[later] == pytest.approx(branch, abs=2.0 * error + 6e-3 * slender)
         assert curve.points[-1].penetration < 1e-4 * plane.width  # what is crushed is none
 
+    def test_where_nothing_is_said_it_has_as_many_points_along_an_edge(self):
+        law = joint(1.0, 1e11, compressive_strength=self.plane.weight / 0.2)
+        size = self.plane.width, self.depth, self.plane.height
+        assert resting(size, law, (1.0, 0.0, 0.0), points=None).assembly.points == 81
+        peak = self.trace(law, None, max_displacement=0.02).peak.load_multiplier
+        exact = (self.plane.width - 0.2) / self.plane.height
+        above = 2.0 * (self.plane.width / 8.0) ** 2 / (8.0 * 0.2) / self.plane.height
+        assert exact * (1.0 - 4e-3) <= peak <= exact + above
+
     def test_a_strong_one_is_dry(self):
         strong = self.trace(joint(1.0, 1e11, compressive_strength=1e13), 4)
         dry = self.trace(joint(1.0, 1e11), 4)

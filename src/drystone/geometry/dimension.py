@@ -23,7 +23,10 @@ class Dimension:
 
     number: int
     motions: tuple[str, ...]  # of a block that can be held by themselves: along axes, and turning
-    points: int  # contact points on an interface where nothing is said, in space of four corners
+    # Contact points on an interface where nothing is said, in space of four corners; and where it
+    # may be crushed, which a contact at each corner alone would be at once or not at all.
+    points: int
+    points_if_crushed: int
     points_known: tuple[int, ...]  # that there may be
     points_text: str  # the same in words
     joint_unit: str  # of the size of a joint
@@ -104,6 +107,7 @@ PLANE = _Plane(
     number=2,
     motions=("x", "y", "turn"),
     points=2,
+    points_if_crushed=9,
     points_known=tuple(range(2, 65)),
     points_text="from 2 to 64 in the plane",
     joint_unit="m",
@@ -118,6 +122,7 @@ SPACE = _Space(
     number=3,
     motions=("x", "y", "z", "turn"),
     points=4,
+    points_if_crushed=81,
     points_known=(4, 9, 16, *(n * n for n in range(5, 34, 2))),
     points_text="4, 9, 16 or the square of an odd number from 5 to 33",
     joint_unit="m2",

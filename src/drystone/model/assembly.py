@@ -25,7 +25,7 @@ from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.plane.polygon import Core
 from drystone.geometry.space.polyhedra import Polyhedra
 from drystone.geometry.space.solid import Faces, Part
-from drystone.model.joint_law import JointLaw
+from drystone.model.joint_law import JointLaw, Yielding
 
 #: Standard acceleration of gravity in this project [m/s2], the value the published runs used.
 GRAVITY = 9.81
@@ -58,6 +58,13 @@ class Corner:
 #: Mass of what is held over the block's own: a step of 30 s moves it by 1e-10 m under a hundred
 #: weights.
 RESTRAINED_MASS = 1e14
+
+
+def usual_points(dimension: int, laws: Sequence[JointLaw]) -> int:
+    """Contact points of an interface where nothing is said, of structures with these joints."""
+    kind = dimension_of(dimension)
+    crushed = any(Yielding.CRUSH.of(law) for law in laws)
+    return kind.points_if_crushed if crushed else kind.points
 
 
 def _restrained(blocks: Sequence[Block], dimension: Dimension) -> BoolArray:
@@ -224,9 +231,10 @@ class Assembly:
                     f"block {dimension}"
                 )
         along = np.eye(dimension)[-1] if up is None else np.asarray(up, np.float64)
+        laws = joint, *(joint_between or {}).values()
         return cls(
             dimension=dimension,
-            points=dimension_of(dimension).points if points is None else points,
+            points=usual_points(dimension, laws) if points is None else points,
             up=along,
             thickness=thickness,
             blocks=tuple(blocks),
@@ -308,6 +316,11 @@ class Assembly:
     def kind(self) -> Dimension:
         """What goes with its dimension: words, units, numbers."""
         return dimension_of(self.dimension)
+
+    @property
+    def usual_points(self) -> int:
+        """Contact points of an interface where nothing is said."""
+        return usual_points(self.dimension, self.laws)
 
     @property
     def depth(self) -> float | None:

@@ -33,7 +33,7 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
-    if assembly.depth is None or assembly.points != assembly.kind.points:
+    if assembly.depth is None or assembly.points != assembly.usual_points:
         data["contact"] = {"points": assembly.points}
     data["block"] = [
         {

@@ -16,7 +16,7 @@ from drystone.model.model import Model
 from drystone.model.monitor import ControlPoint
 
 
-def extruded(model: Model, *, points: int = 4) -> Model:
+def extruded(model: Model, *, points: int | None = None) -> Model:
     """The same structure in space, from y = 0 to its thickness.
 
     Load and control point lie in the middle plane. Edges are treated as the corners were, on all

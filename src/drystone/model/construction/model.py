@@ -97,6 +97,7 @@ def make_model(
     points
         Number of contact points of a joint. In the plane 2 to 64, by default 2. In space, for a
         joint of four corners, 4, 9, 16 or the square of an odd number from 5 to 33, by default 4.
+        Where joints are crushed, the default is 9 in the plane and 81 in space.
     control_block, control_point, control_direction
         See `choose_control_point`.
     history

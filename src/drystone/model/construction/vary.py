@@ -28,7 +28,7 @@ def remade(model: Model, **changes: Any) -> Model:
         "joint_between": assembly.joint_between,
         "corner": assembly.corner,
         "thickness": assembly.depth,
-        "points": assembly.points,
+        "points": None if assembly.points == assembly.usual_points else assembly.points,
         "load": model.load,
         "dead_loads": model.dead_loads,
         "ties": model.ties,
