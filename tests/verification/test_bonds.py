@@ -123,6 +123,48 @@ def test_the_weakest_of_three_joints_goes_first(engine, weakest):
     assert curve.peak.load_multiplier == pytest.approx(heel, rel=NEAR[engine])
 
 
+class TestABlockThatStandsOut:
+    """A cube stands out over the edge of its support, with three points of bond along the rest.
+
+    The back row tears first, and the multiplier drops below zero: dry, the cube would stand with
+    next to nothing.  Then it rises to where the middle row, with half of the area A at the distance
+    l / 2 from the edge, is at its strength f, and from there on the cube is dry:
+
+        lambda W B / 2 = W (l - B / 2) + f A l / 4.
+    """
+
+    width, overhang, unit_weight = 1.0, 0.45, 20e3
+
+    def trace(self, strength, **options):
+        rest = self.width - self.overhang
+        base = np.array([[-2.0, -0.3], [0.0, -0.3], [0.0, 0.0], [-2.0, 0.0]])
+        cube = rectangle(-rest, 0.0, self.width, self.width)
+        blocks = [
+            Block(id="base", vertices=base, unit_weight=self.unit_weight, support=True),
+            Block(id="cube", vertices=cube, unit_weight=self.unit_weight),
+        ]
+        joint = replace(PUBLISHED_JOINT, friction_coefficient=0.8, normal_stiffness=1e9)
+        joint = replace(joint, shear_stiffness=1e9, cohesion=1e5, tensile_strength=strength)
+        model = make_model(
+            blocks=blocks, joint=joint, load_direction=(1.0, 0.0), points=3, thickness=1.0
+        )
+        return pushover(model, **options)
+
+    # The last digits of the displacement decided which of these went on.
+    @pytest.mark.parametrize("strength", [25e3, 28e3, 32e3, 36e3, 40e3, 44e3])
+    @pytest.mark.parametrize("engine", ENGINES)
+    def test_a_drop_below_the_stop_value_is_no_end(self, engine, strength):
+        curve = self.trace(strength, engine=engine)
+        weight, rest = self.unit_weight * self.width**2, self.width - self.overhang
+        moment = weight * (rest - 0.5 * self.width) + 0.25 * strength * rest**2
+        assert curve.status == "finished"
+        assert min(curve.column("load_multiplier")[:4]) < 0.0
+        exact = 2.0 * moment / (weight * self.width)
+        assert curve.peak.load_multiplier == pytest.approx(exact, rel=5e-3)
+        dry = self.trace(0.0).ultimate_displacement
+        assert curve.ultimate_displacement == pytest.approx(dry, rel=2e-3)
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_joint_that_nothing_presses_is_bonded(engine):
     """A block glued to the side of a post, drawn down: a head joint.

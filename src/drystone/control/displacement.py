@@ -196,7 +196,8 @@ class DisplacementControl(Strategy[DisplacementState]):
             return self._decided(state, accept=False)
         if multiplier > state.highest and not report.dynamic:
             state = changed(state, highest=multiplier, highest_at=report.control_displacement)
-        back = multiplier < 0.0 and report.control_displacement < state.highest_at
+        behind = advanced != 0.0 and report.control_displacement < state.highest_at
+        back = multiplier < 0.0 and behind  # where a bond breaks, by no more than rounding
         state = changed(
             state,
             n_steps=state.n_steps + 1,
@@ -602,6 +603,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             n_steps=state.n_steps,
             static=self._is_static(state, report),
             highest_at=state.highest_at,
+            falls=report.reached != 0.0 and state.slope <= 0.0,
         )
 
     def _over_in_motion(self, state: DisplacementState, report: StepReport) -> End | None:

@@ -59,10 +59,11 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
 
     A multiplier passed in motion ends nothing: what moves may come to rest and carry again.  Nor
     does one where the control point has moved back behind the peak: a block comes loose, and the
-    rest, relieved of the load, still stands as it stood.
+    rest, relieved of the load, still stands as it stood.  Nor one to which the multiplier has
+    dropped where a bond broke, or from which it rises: the rest of the joint takes the load up.
     """
     s, p = settings, progress
-    onwards = p.static and p.displacement >= p.highest_at
+    onwards = p.static and p.falls and p.displacement >= p.highest_at
     for stop, value in s.stops:
         if stop.first and (end := stop.end(value, p)):
             return end

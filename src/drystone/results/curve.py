@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import say
+from drystone.common.tolerances import ROUNDING
 from drystone.contact.forces import ContactForces
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import STATES, TieState
@@ -204,6 +205,14 @@ class KeptContacts(Sequence[ContactForces]):
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles have the forces, not the engine."""
         return tuple, (tuple(self),)
+
+
+def _stays(before: CurvePoint, point: CurvePoint) -> bool:
+    """Whether the control point stays between two points at rest, as where a bond breaks."""
+    if {before.status, point.status} != {STATIC}:
+        return False
+    far = abs(before.control_displacement)
+    return abs(point.control_displacement - before.control_displacement) <= ROUNDING * far
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -405,6 +414,8 @@ class CapacityCurve:
         the control point back, and the multiplier below the stop value, the displacement is that
         where the jump begins.  If it moves the control point forward, the structure may have
         carried within the jump.  Of a collapse in a jump the displacement is where the jump begins.
+        A drop where a bond breaks, while the control point stays, does not count if the structure
+        carries more than the stop value once more.
         """
         if self.moves_supports:
             return None
@@ -419,8 +430,14 @@ class CapacityCurve:
             if p.step >= top
             and (p.status == STATIC or (p.step > rest and collapse and not p.jumped))
         ]
+        rested = (p for p in after if p.status == STATIC)
+        carries = max(
+            (p.step for p in rested if p.load_multiplier > self.stop_multiplier), default=0
+        )
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
+                if _stays(before, point) and carries > point.step:
+                    continue
                 if point.jumped and point.control_displacement < before.control_displacement:
                     return before.control_displacement
                 drop = before.load_multiplier - point.load_multiplier
