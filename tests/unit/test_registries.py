@@ -275,7 +275,7 @@ METHOD = Toy(
         )
         return Assessment(
             method=NAME, capacity=capacity, settings=settings, limit_states=(state,),
-            reference_state="SLV", activation_acceleration=borne, confidence_factor=None,
+            activation_acceleration=borne, confidence_factor=None,
             quantities={"share": share},
         )
 ''',

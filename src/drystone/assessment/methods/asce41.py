@@ -291,7 +291,6 @@ def _answer(
         capacity=capacity,
         settings=settings,
         limit_states=found,
-        reference_state=REFERENCE,
         activation_acceleration=capacity.activation_acceleration,
         confidence_factor=None,
         spectra=given,

@@ -134,15 +134,14 @@ class LimitState:
 class Assessment:
     """The answer of a method.
 
-    `reference_state` is the state of the code's safety index, `uncertain` are sentences on clauses
-    whose text was not at hand or which the sources tell differently.
+    `uncertain` are sentences on clauses whose text was not at hand or which the sources tell
+    differently.
     """
 
     method: str
     capacity: Capacity
     settings: Settings
     limit_states: tuple[LimitState, ...]
-    reference_state: str | None
     activation_acceleration: float  # m/s2, a0* with the confidence factor
     confidence_factor: float | None  # as applied to the curve
     spectra: Mapping[str, Spectrum] = field(default_factory=dict)
@@ -182,13 +181,9 @@ class Assessment:
 
     @property
     def safety_index(self) -> float | None:
-        """zeta_E: that of the reference state where it is verified, else the least one."""
-        states = self.verified
-        for state in states:
-            if state.name == self.reference_state:
-                return state.safety_index
-        known = [s.safety_index for s in states if s.safety_index is not None]
-        return min(known) if known else None
+        """zeta_E of the state that governs, so that it says no other than the verdict."""
+        governing = self.governing
+        return None if governing is None else governing.safety_index
 
     @property
     def sentence(self) -> Saying:

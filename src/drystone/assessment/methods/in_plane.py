@@ -85,7 +85,6 @@ def answer(
         capacity=capacity,
         settings=settings,
         limit_states=tuple(found),
-        reference_state=reference,
         activation_acceleration=capacity.activation_acceleration,
         confidence_factor=None,
         spectra=given,

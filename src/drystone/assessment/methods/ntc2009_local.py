@@ -142,7 +142,6 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         capacity=c,
         settings=settings,
         limit_states=tuple(found),
-        reference_state=REFERENCE,
         activation_acceleration=c.activation_acceleration / factor,
         confidence_factor=factor,
         spectra=given,

@@ -168,7 +168,6 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
         capacity=c,
         settings=settings,
         limit_states=states,
-        reference_state=REFERENCE,
         activation_acceleration=level,
         confidence_factor=settings.confidence_factor,
         quantities={
