@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from drystone.model.builders import (
     model_to_dict,
     published_wall,
 )
+from drystone.model.construction.vary import remade
 from drystone.model.inspection import inspect
 from drystone.model.joint_law import JointLaw
 
@@ -116,6 +119,15 @@ class TestPublishedWalls:
         assert published_wall(1).sha256 == published_wall(1).sha256
         assert published_wall(1).sha256 != published_wall(2).sha256
         assert len(published_wall(1).sha256) == 64
+
+
+@pytest.mark.parametrize(("strength", "points", "said"), [(0.0, 2, 0), (5e4, 2, 1), (5e4, 9, 0)])
+def test_bonds_that_hang_on_the_contact_points(strength, points, said):
+    """With a point at each end a bond in bending carries f b^2 / 2, else f b^2 / 6."""
+    joint = replace(published_wall(1).assembly.joint, cohesion=1e5, tensile_strength=strength)
+    found = inspect(remade(published_wall(1), joint=joint, points=points))
+    assert sum("up to three times" in sentence for sentence in found.warnings) == said
+    assert not any("three times" in sentence for sentence in found.problems)
 
 
 class TestControlPoint:

@@ -14,6 +14,8 @@ import pytest
 from scipy.optimize import brentq
 
 import drystone as ds
+import solids
+from drystone.limit import collapse_load, limits_beside
 from drystone.model.loading import Acting, masses_of
 from drystone.model.loading.modal import first_mode
 from lmgc90_here import needs_lmgc90
@@ -414,3 +416,52 @@ class TestMasses:
         assert masses.weights(model.assembly)[1] == pytest.approx(WEIGHT + LOAD)
         arm = np.array(POINT) - (0.2, 0.5)
         assert masses.moment[1] == pytest.approx(LOAD * arm)
+
+
+def twisted_slab(*forces, push=1000.0):
+    """A square slab of 1 m on the ground, with forces ``(point, direction)`` of ``push`` [N]."""
+    blocks = [
+        solids.box("ground", [-2.0, -2.0, -0.3], [2.0, 2.0, 0.0], support=True),
+        solids.box("slab", [-0.5, -0.5, 0.0], [0.5, 0.5, 0.2]),
+    ]
+    entries = tuple(
+        ds.PointForce(block="slab", point=np.array(at), force=push * np.array(along))
+        for at, along in forces
+    )
+    return ds.make_model(
+        blocks,
+        joint=solids.joint(0.4),
+        load=ds.ForcesPattern(entries=entries),
+        control_block="slab",
+        control_point=(0.5, 0.0, 0.1),
+        control_direction=(0.0, 1.0, 0.0),
+    )
+
+
+class TestACouple:
+    """Two forces P at opposite sides twist a slab about its axis: lambda P b = mu W r, with the
+    friction at its corners, r from the axis."""
+
+    EAST, WEST = (0.5, 0.0, 0.1), (-0.5, 0.0, 0.1)
+    NORTH, SOUTH = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+
+    @pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
+    def test_what_twists_it(self, engine):
+        model = twisted_slab((self.EAST, self.NORTH), (self.WEST, self.SOUTH))
+        curve = ds.pushover(model, engine=engine, max_displacement=5e-3)
+        exact = 0.4 * solids.UNIT_WEIGHT * 0.2 * np.sqrt(0.5) / 1000.0
+        # As it turns by 0.01 the arm of the forces, whose direction stays, is 5e-5 of it shorter.
+        assert curve.peak.load_multiplier == pytest.approx(exact, rel=1e-3)
+        assert collapse_load(model).load_multiplier == pytest.approx(exact, rel=1e-6)
+
+    def test_above_the_bound_it_has_turned(self):
+        model = twisted_slab((self.EAST, self.NORTH), (self.WEST, self.SOUTH))
+        curve = ds.pushover(model, max_displacement=0.3)
+        said = limits_beside(model).warning(curve, model)
+        assert "rotated by up to 0.6" in said and "motion" not in said
+
+    def test_forces_that_balance_on_a_block(self):
+        with pytest.raises(ds.ModelError, match="balance each other: nothing is loaded"):
+            twisted_slab((self.EAST, self.SOUTH), (self.EAST, self.NORTH))
+        with pytest.raises(ds.ModelError, match="balance each other: nothing is loaded"):
+            twisted_slab((self.EAST, (1.0, 0.0, 0.0)), (self.WEST, (-1.0, 0.0, 0.0)))

@@ -24,13 +24,14 @@ from drystone.limit.beside import exceeds
 from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
 from drystone.limit.edges import Edges
 from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
+from drystone.model.joint_law import Yielding
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve, CurvePoint
 from drystone.results.events import COLLAPSES, EventKind
 
 #: Blocks that turn by t change a multiplier of sliding by (1 + mu^2) t, the slope of tan, and those
 #: that move by u over blocks of size s change arms by u / s.  An excess beyond so many times that
-#: has no such cause.
+#: has no such cause; nor has one beyond so many times what of a load is not carried, in motion.
 FAR_OFF = 10.0
 #: Pairs of blocks named in a sentence.
 FEW = 3
@@ -75,7 +76,7 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) 
     pose = None if curve.poses is None else curve.poses[point.step]
     mechanism = collapse_load(model, flow=ASSOCIATIVE).velocities
     carried = carried_against(model, mechanism, contacts, pose)
-    if carried is not None and not exceeds(carried, bound):
+    if carried is not None and not exceeds(carried, bound) and _moves(point, bound):
         return (
             f"because it is read off a motion: {point.applied_multiplier:.4f} is applied there, "
             f"{100.0 * point.inertia_ratio:.2g} % of which is inertia, and on the mechanism of "
@@ -100,6 +101,13 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) 
         bound = max(bound, reached)
         return f"{carries}, and {_motion(curve, model, point, bound)}"
     return f"because {_motion(curve, model, point, bound)}"
+
+
+def _moves(point: CurvePoint, bound: float) -> bool:
+    """Whether motion may be why a point lies above the bound: what of its load is not carried."""
+    applied, multiplier = point.applied_multiplier, point.load_multiplier
+    uncarried = abs(applied - multiplier) + point.inertia_ratio * abs(applied)
+    return FAR_OFF * uncarried >= multiplier - bound
 
 
 def _beyond_joints(contacts: ContactForces, model: Model) -> tuple[IntArray, IntArray]:
@@ -172,6 +180,11 @@ def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float)
         f"(joints are pressed by up to {point.penetration:.2g} m)"
     )
     assembly = model.assembly
+    if any(Yielding.CRUSH.of(law) for law in assembly.laws):
+        text += (
+            f"; and joints that are crushed have {assembly.points} contact points, where limit "
+            "analysis has more: [contact] points"
+        )
     friction = max(law.friction_coefficient for law in assembly.laws)
     change = (1.0 + friction**2) * turn + far / assembly.smallest_extent
     if point.load_multiplier - bound > FAR_OFF * change * max(1.0, abs(bound)):

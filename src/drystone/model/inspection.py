@@ -160,6 +160,15 @@ def _law_notes(assembly: Assembly) -> list[str]:
             "corner: the corners are sharp: with friction and no dilatancy the collapse "
             "multiplier may depend on the path"
         )
+    if (
+        any(law.tensile_strength > 0.0 for law in assembly.laws)
+        and assembly.points == assembly.kind.points
+    ):
+        many = assembly.kind.points_if_crushed
+        warnings.append(
+            f"contact: with {assembly.points} points a joint, bonds in bending carry up to three "
+            f"times what they do where the edge cracks first: [contact] points, up to {many}, tell"
+        )
     if assembly.joint.normal_stiffness is None or assembly.joint.shear_stiffness is None:
         warnings.append("joint: without stiffnesses only limit analysis can be done")
     return warnings

@@ -14,6 +14,8 @@ from drystone.common.arrays import Array
 from drystone.common.keys import BlockPoint, Key, Tables, Vector
 from drystone.common.language import say
 from drystone.common.ranges import RANGES
+from drystone.common.tolerances import ROUNDING
+from drystone.geometry.motion import rotations, translations
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Masses, Scale
 from drystone.model.loading.dead_forces import DeadForces
@@ -56,8 +58,9 @@ class ForcesPattern:
 
     def along(self, assembly: Assembly) -> Array:
         """That of their sum; of forces that have none, of the first."""
-        force = self.forces(assembly).force
-        return leading(force.sum(axis=0), force)
+        # Those of one block may be a couple, and nothing in sum.
+        force = np.array([entry.force for entry in self.entries])
+        return leading(self.forces(assembly).force.sum(axis=0), force)
 
     def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
@@ -81,9 +84,20 @@ class ForcesPattern:
         found = [] if self.entries else ["load.force: is missing: give the forces of the pattern"]
         for k, entry in enumerate(self.entries):
             found += entry.point_problems(assembly, f"load.force[{k + 1}]")
-        if not found and not self.forces(assembly).force.any():
+        if not found and not np.any([entry.force for entry in self.entries]):
             found = ["load.force: all forces are zero"]
+        if not found and not self._acts(assembly):
+            found = ["load.force: the forces on each block balance each other: nothing is loaded"]
         return found
+
+    def _acts(self, assembly: Assembly) -> bool:
+        """Whether any block feels a force or a moment, but for rounding."""
+        forces = self.forces(assembly)
+        largest = max(float(np.linalg.norm(entry.force)) for entry in self.entries)
+        least = ROUNDING * largest * np.array([1.0, assembly.largest_extent])
+        wrench = forces.wrenches(assembly)
+        moved = np.abs(translations(wrench)).max(), np.abs(rotations(wrench)).max()
+        return bool(np.any(np.array(moved) > least))
 
     def keys(self) -> dict[str, Any]:
         """See `LoadPattern`."""
