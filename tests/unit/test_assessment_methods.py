@@ -575,6 +575,18 @@ def test_the_index_says_no_other_than_the_verdict(severe):
     assert found.as_dict()["safety_index"] == found.governing.safety_index
 
 
+@pytest.mark.parametrize("name", ["ntc2018-local", "ntc2009-local", "en1998-3-2025-rocking"])
+@pytest.mark.parametrize(("share", "slides"), [(None, False), (0.3, False), (0.9, True)])
+def test_a_mechanism_that_slides_goes_with_the_verdict(name, share, slides):
+    """Blocks that slide lose no strength: how far they go says what lies below them."""
+    capacity = replace(rocking_wall(ratio=1.0), friction=share)
+    found = assess(capacity, site(0.05), Settings.of(method=name, **FULL[name]))
+    assert ("the mechanism slides" in found.sentence) == slides == bool(found.caution)
+    if name.startswith("ntc"):
+        linear = {**FULL[name], "kinematics": "linear"}
+        assert not assess(capacity, site(0.05), Settings.of(method=name, **linear)).caution
+
+
 def test_what_is_missing_or_unknown_is_named():
     with pytest.raises(AssessmentError, match='"displacement_limits" names "ULS"'):
         assess(rocking_wall(), site(), local(displacement_limits={"ULS": 0.1}))

@@ -465,3 +465,19 @@ class TestOrientation:
         assert reduced(turning(stack(3), ANGLES), stack(3)).as_dict()["out_of_plane"] == 1.0
         wide = replace(stack(3), assembly=replace(stack(3).assembly, thickness=0.2))
         assert reduced(turning(wide, ANGLES), wide).as_dict()["out_of_plane"] == 0.0
+
+
+class TestSliding:
+    """What of the load's work friction takes: nothing of a block that rocks, all of one that
+    slides, but for what it tips over the rim with in the end."""
+
+    @pytest.mark.parametrize("direction", [1.0, -1.0])
+    @pytest.mark.parametrize(("friction", "least", "most"), [(0.7, 0.0, 0.01), (0.1, 0.95, 1.0)])
+    def test_a_block_that_rocks_or_slides(self, friction, direction, least, most):
+        blocks = [
+            box("base", (-1, -1, -0.2), (2, 2, 0), support=True),
+            box("block", (0, 0, 0), (0.3, 0.5, 1.0)),
+        ]
+        model = model_of(blocks, joint(friction, 1e10), push=[direction, 0.0, 0.0])
+        found = reduced(ds.pushover(model, engine="equilibrium"), model)
+        assert least <= found.as_dict()["friction"] <= most

@@ -92,6 +92,9 @@ class Capacity:
     out_of_plane: float | None = None
     """Share of the mechanism's momentum that is of walls out of their plane, see
     `drystone.assessment.mechanism.orientation`.  None: not known."""
+    friction: float | None = None
+    """Share of the work of the load that friction takes, see
+    `drystone.assessment.mechanism.sliding`.  None: not known."""
 
     def __post_init__(self) -> None:
         if self.reading not in READINGS:
@@ -140,6 +143,7 @@ class Capacity:
         notes: Sequence[str] = (),
         losses: Sequence[tuple[float, str]] | None = None,
         out_of_plane: float | None = None,
+        friction: float | None = None,
     ) -> Capacity:
         """A capacity of a curve (n,) [m], (n,) and of what takes part in it.
 
@@ -168,6 +172,7 @@ class Capacity:
             kinetic_factor=part.kinetic_factor,
             losses=None if losses is None else tuple(losses),
             out_of_plane=out_of_plane,
+            friction=friction,
         )
 
     @classmethod

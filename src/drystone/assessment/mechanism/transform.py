@@ -12,6 +12,7 @@ from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
 from drystone.assessment.mechanism.overturning import stands_on_its_axis
 from drystone.assessment.mechanism.shapes import Course, MechanismShape, course_of, initial_shape
+from drystone.assessment.mechanism.sliding import share_of_friction
 from drystone.common.language import Saying, said_end, say
 from drystone.model.loading.base import masses_of
 from drystone.model.model import Model
@@ -45,6 +46,7 @@ class Reduction:
             "kinetic_ratio": shape.kinetic_ratio,
             "torsion": shape.torsion,
             "out_of_plane": self.capacities["base_shear"].out_of_plane,
+            "friction": self.capacities["base_shear"].friction,
             "macro_blocks": _of(shape, "macro_blocks"),
             "blocks": _of(shape, "blocks"),
             "readings": {name: _reading(c) for name, c in self.capacities.items()},
@@ -108,6 +110,7 @@ def reduced(
         notes=notes,
         losses=[(event.control_displacement, event.said) for event in curve.events],
         out_of_plane=share_out_of_plane(model.assembly, shape, model.load_along),
+        friction=share_of_friction(curve, model),
     )
     return Reduction(
         shape=shape,

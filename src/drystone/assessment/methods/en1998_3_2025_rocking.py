@@ -205,6 +205,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         assumptions=common.assumptions(c, used) + notes + _said(left_out, settings),
         uncertain=common.uncertain(c, used, found, *_uncertain(used)),
         weighs_most=common.weight(c, say("en1998_3_2025.weight")),
+        caution=local.caution(c),
     )
 
 

@@ -7,6 +7,10 @@ from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
 from drystone.common.language import say
 
+#: Share of the work of the load, taken by friction, above which a mechanism slides sooner than it
+#: rocks.
+SLIDES = 0.5
+
 
 def is_linear(settings: Settings) -> bool:
     """Whether the activation multiplier alone counts; `AssessmentError` for other kinematics."""
@@ -53,3 +57,12 @@ def acceleration(capacity: Capacity, displacement: float, straight: bool) -> flo
 def collapse_assumption() -> str:
     """What d0 stands on."""
     return say("common.collapse")
+
+
+def caution(capacity: Capacity) -> str:
+    """What goes with the verdict on a mechanism that slides: blocks that slide lose no strength
+    until they fall off what bears them, however far that is."""
+    share = capacity.friction
+    if share is None or share <= SLIDES:
+        return ""
+    return say("local.slides", percent=100.0 * share)

@@ -148,6 +148,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         assumptions=common.assumptions(c, used) + notes + _said(settings, given, linear),
         uncertain=common.uncertain(c, used, found, UNCERTAIN),
         weighs_most=common.weight(c, say("ntc2009_local.weight_linear") if linear else ""),
+        caution="" if linear else local.caution(c),
     )
 
 

@@ -243,6 +243,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         assumptions=common.assumptions(c, used) + notes + _said(c, settings, given, linear),
         uncertain=common.uncertain(c, used, found, *_uncertain(c)),
         weighs_most=common.weight(c, _weight(found, linear)),
+        caution="" if linear else local.caution(c),
     )
 
 

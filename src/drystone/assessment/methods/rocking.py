@@ -182,6 +182,7 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
         assumptions=common.assumptions(c, ()) + _said(settings, c),
         uncertain=common.uncertain(c, (), states, *UNCERTAIN),
         weighs_most=_weight(settings),
+        caution=local.caution(c),
     )
 
 

@@ -1,0 +1,40 @@
+"""Whether a mechanism slides: what of the work of its load friction takes.
+
+Where blocks rock, the load lifts their weight, and the multiplier falls as they lean.  Where they
+slide, friction takes the work, and the multiplier stays until they fall off what bears them.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from drystone.assessment.mechanism.field import VelocityField, chord
+from drystone.model.loading import Acting
+from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.model import Model
+from drystone.results.curve import STATIC, CapacityCurve
+
+
+def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
+    """Share of the work of the load that lifts no weight, from the start to the first jump or the
+    end; None where ties or springs take part of it, or the load does no work.  What bonds take
+    before they break is next to nothing."""
+    if model.ties or curve.poses is None:
+        return None
+    acting = Acting.of(model.assembly, model.load, model.dead_loads)
+    dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
+    done, lifted = 0.0, 0.0
+    for before, after in pairwise(curve.points):
+        if after.status != STATIC or after.jumped:
+            break
+        field = chord(model.assembly, curve.poses[before.step], curve.poses[after.step])
+        mean = 0.5 * (before.load_multiplier + after.load_multiplier)
+        done += mean * _work(acting.pattern, field)
+        lifted -= _work(dead, field)
+    return min(max(1.0 - lifted / done, 0.0), 1.0) if done > 0.0 else None
+
+
+def _work(forces: DeadForces, field: VelocityField) -> float:
+    """Of forces on all blocks along a chord [J]."""
+    work = (forces.force * field.velocity).sum() + (forces.moments() * field.spin).sum()
+    return float(work)
