@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import solids
 from builders import PUBLISHED_JOINT, STIFF, UNIT_WEIGHT, RockingBlock, rectangle, stack, with_joint
 from drystone.analysis.driver import pushover
 from drystone.model.assembly import Block
@@ -163,6 +164,20 @@ class TestABlockThatStandsOut:
         assert curve.peak.load_multiplier == pytest.approx(exact, rel=5e-3)
         dry = self.trace(0.0).ultimate_displacement
         assert curve.ultimate_displacement == pytest.approx(dry, rel=2e-3)
+
+    @pytest.mark.parametrize("engine", ENGINES)
+    def test_in_space(self, engine):
+        """`distinct` stopped at the first tooth: it judged a bond at its strength as broken."""
+        law = replace(glue(cohesion=1e5, tension=28e3, friction=0.8), normal_stiffness=1e9)
+        blocks = [
+            solids.box("base", (-2.0, -2.0, -0.3), (0.0, 2.0, 0.0), support=True),
+            solids.box("cube", (-0.55, -0.5, 0.0), (0.45, 0.5, 1.0)),
+        ]
+        joint = replace(law, shear_stiffness=1e9)
+        model = solids.model_of(blocks, joint, push=(1.0, 0.0, 0.0), points=9)
+        curve = pushover(model, engine=engine, max_displacement=2e-3)
+        exact = 2.0 * (solids.UNIT_WEIGHT * 0.05 + 0.25 * 28e3 * 0.55**2) / solids.UNIT_WEIGHT
+        assert curve.peak.load_multiplier == pytest.approx(exact, rel=5e-3)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

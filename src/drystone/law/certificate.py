@@ -99,7 +99,11 @@ class Certificate(NamedTuple):
 
 
 def certify(
-    contacts: JudgedContacts, forces: Forces, extent: Array, fixed: BoolArray
+    contacts: JudgedContacts,
+    forces: Forces,
+    extent: Array,
+    fixed: BoolArray,
+    slack: float = 0.0,
 ) -> Certificate:
     """Judge a step.
 
@@ -111,10 +115,12 @@ def certify(
         (n,) m, by which moments are divided.
     fixed
         (n,) supports, whose balance does not count.
+    slack
+        How well reactions are known [N]: no bond counts as broken for less.
     """
     c = contacts
     normal, tangential, cone = joint_law_violation(
-        c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole
+        c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole, slack
     )
     touched = np.zeros(len(fixed), np.bool_)
     mark_touched(c.contacts, c.reaction, touched)

@@ -20,7 +20,7 @@ from drystone.law.limits import crushing
 
 
 @njit(cache=True, error_model="numpy")
-def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
+def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack=0.0):
     """Largest distances [N] of reactions from those that the joint law gives.
 
     The law's reaction is r_n = k_n <-g> and r_t = t_0 - k_s s, drawn back to mu r_n + bond where it
@@ -44,6 +44,8 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
         (n_contacts, dim - 1) [N], tangential reaction at the start of the step.
     whole
         (n_contacts,) 1 where a bond has not broken, else 0.
+    slack
+        How well reactions are known [N]: no bond breaks for less.
 
     Returns
     -------
@@ -57,7 +59,8 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole):
         bond, tension = whole[c] * table[c, BOND], whole[c] * table[c, TENSILE]
         strength = bond + tension
         law_n = min(table[c, SHIFT] - table[c, STIFF_N] * gap[c], crushing(table, c))
-        if law_n < -tension - BOND_TIE * strength or (law_n < 0.0 and strength == 0.0):
+        beyond = law_n < -tension - BOND_TIE * strength - slack
+        if beyond or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
         law_n -= table[c, PULL]
         intercept = table[c, INTERCEPT] + bond

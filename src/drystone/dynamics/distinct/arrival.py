@@ -112,12 +112,16 @@ def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts,
     return judged, force
 
 
+def _slack(work: Workspace) -> float:
+    """How well reactions are known at rest [N]."""
+    return NOISE * work.settings.tolerance * work.prepared.assembly.heaviest_weight
+
+
 def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Array:
     """Of the bonds, by slots, and of the ties."""
     margin = np.full(len(work.slots.kind), np.inf)
     if work.prepared.brittle:
-        slack = NOISE * work.settings.tolerance * work.prepared.assembly.heaviest_weight
-        margin[contacts.contacts.slot] = margins(contacts, slack)
+        margin[contacts.contacts.slot] = margins(contacts, _slack(work))
     return np.concatenate((margin, TIES_NEARER * ties_margin))
 
 
@@ -159,7 +163,7 @@ def _arrive(
         load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
         search_work=state.search_work + work.search_work,
     )
-    certificate = certify(contacts, forces, prepared.extent, acting.fixed)
+    certificate = certify(contacts, forces, prepared.extent, acting.fixed, _slack(work))
     outcome = StepOutcome(
         multiplier=work.multiplier,
         pose=pose,
