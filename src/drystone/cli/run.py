@@ -335,17 +335,24 @@ def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
 
 def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
     """The same of supports that move."""
+    from drystone.common.tolerances import LAST_DIGITS
     from drystone.model.construction.words import printable
     from drystone.report.quantities import Quantities
 
     shown = Quantities.of(curve)
     force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
     marked = curve.marked_reactions
-    first, least, last = (marked[name] for name in ("first", "least", "last"))
+    rounding = LAST_DIGITS * max(abs(point.reaction) for point in marked.values())
+
+    def shown_at(name: str) -> str:
+        point = marked[name]
+        size = 0.0 if abs(point.reaction) <= rounding else point.reaction
+        return f"{size:.6g} {force}" + (f" at {at[point.step]:.5g} {unit}" * (name != "first"))
+
     rows = (
-        ("reaction at first", f"{first.reaction:.6g} {force}"),
-        ("least reaction", f"{least.reaction:.6g} {force} at {at[least.step]:.5g} {unit}"),
-        ("reaction at last", f"{last.reaction:.6g} {force} at {at[last.step]:.5g} {unit}"),
+        ("reaction at first", shown_at("first")),
+        ("least reaction", shown_at("least")),
+        ("reaction at last", shown_at("last")),
         *event_rows(curve),
         ("end", curve.reason),
         ("points", f"{len(curve.points)}, largest residual {curve.residual.max():.1e}"),
