@@ -63,7 +63,7 @@ class TestOverlap:
     def test_area_and_centroid_equal_brute_force(self, seed):
         rng = np.random.default_rng(seed)
         p, q = convex_polygon(rng), convex_polygon(rng)
-        corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, 4), np.int64)
+        corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, overlap.N_NAME), np.int64)
         half, count = overlap.clip(q, len(q), p, len(p), 0.0, corner, name)
         area, cx, cy, _ = overlap.measure(corner, half, count)
         wanted, centroid = brute_overlap(p, q)
@@ -80,7 +80,7 @@ class TestOverlap:
         area, centroid = brute_overlap(p, q)
         if area < 1e-3:
             q, (area, centroid) = p.copy(), brute_overlap(p, p)
-        corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, 4), np.int64)
+        corner, name = np.zeros((2, 40, 2)), np.zeros((2, 40, overlap.N_NAME), np.int64)
         half, count = overlap.clip(q, len(q), p, len(p), 0.0, corner, name)
         width = overlap.width_of(area, overlap.measure(corner, half, count)[3])
         near, short = tolerances.CLIP * width, tolerances.MERGE * width
@@ -101,6 +101,58 @@ class TestOverlap:
         point, weight = np.array([[1.0, 0.0], [1.0, 1.0]]), np.array([1.0, 1.0])
         overlap.scale(point, 2, 0.0, 0.0, 3.0, weight)
         assert weight.tolist() == [1.5, 1.5]
+
+    def test_a_short_side_keeps_both_ends_a_little_longer(self):
+        """A corner that a rim cuts off: its two ends are one point sooner if they were one before.
+
+        A force at a point that comes and goes with the motion that it makes would find no rest.
+        """
+        scene = flush()
+        turn = quaternion((0.0, 0.0, 0.25 * np.pi))
+
+        def count(cut, before=None):
+            """Points where the corner is cut off over the length ``cut``, and what was found."""
+            pose = scene.pose.copy()
+            pose[1, 0], pose[1, 3:] = 0.5 + 0.5 * cut - np.sqrt(0.5), turn
+            found = scene.find(pose, before=before)
+            return len(used(found)), found
+
+        cuts, most = np.linspace(0.01, 0.09, 81), tolerances.MERGE
+        up, down, found = [], [], None
+        for cut in cuts:
+            number, found = count(cut, found)
+            up.append(number)
+        for cut in cuts[::-1]:
+            number, found = count(cut, found)
+            down.append(number)
+        fresh = [count(cut)[0] for cut in cuts]
+        assert up == fresh and set(up) == set(down) and np.ptp(up) == 1
+        parts, joins = cuts[np.argmax(up)], cuts[::-1][np.argmin(down)]
+        assert parts > most * 0.7  # of the width of the overlap, a part of the square
+        assert joins == pytest.approx(tolerances.MERGED_AGAIN * parts, abs=3e-3)
+
+    @pytest.mark.parametrize(("beyond", "stays"), [(3e-4, True), (3e-3, False)])
+    def test_a_vertex_stays_on_a_face_a_little_beyond_its_rim(self, beyond, stays):
+        scene = flush()
+
+        def vertices(out, before=None):
+            """Vertices of the upper box found where one edge leaves the lower: one end of it lies
+            inside the rim, the other ``out`` [m] beyond it."""
+            inside = 4e-4
+            angle = np.arcsin(inside + out)
+            pose = scene.pose.copy()
+            pose[1, 3:] = quaternion((0.0, 0.0, angle))
+            corners = scene.vertices(1, pose)[:4]
+            left = corners[np.argsort(corners[:, 0])[:2], 0]
+            pose[1, 0] = 1.0 + out - left.max()
+            found = scene.find(pose, before=before)
+            k = used(found)
+            return {int(v) for v in found.which[k, FEATURE_B] if v < len(scene.shapes.local)}, found
+
+        both, before = vertices(-2e-4)
+        assert len(both) == 2
+        assert len(vertices(beyond)[0]) == 1
+        assert len(vertices(beyond, before)[0]) == 1 + stays
 
     # Per area and half the side: sum of w r over its integral 0.7652 (mean distance from the
     # centre of a square of half side 1), sum of w r^2 over 2/3, sum of w x^2 over 1/3.

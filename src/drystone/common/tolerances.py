@@ -244,6 +244,11 @@ CLIP = 1e-3
 #: Sides of an overlap shorter than this share of its width have one end only.  Not measured.
 MERGE = 5e-2
 
+#: Share of `MERGE` below which a side goes both ends of which were points before.  Range, halved:
+#: peaks of vaults and stairs the same, steps by 2 %; but for a vault that falls in motion, whose end
+#: is 1e-4 m nearer, in 17 % fewer steps.
+MERGED_AGAIN = 0.5
+
 #: Sine of the angle from which on a corner of an overlap adds a kite to what rounding edges takes.
 #: Not measured.
 TURNS = 1e-3

@@ -24,6 +24,7 @@ from drystone.contact.space.facing import project_both
 from drystone.contact.space.overlap import (
     CROSSING,
     INNER,
+    KEPT,
     LEAVES,
     OF_P,
     OF_Q,
@@ -64,16 +65,70 @@ def _vertex(ring, corner, face, j, backwards):
 
 
 @njit(cache=True)
-def _overlap(reference, incident, m, n, near, polygon, name):
+def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
+    """Mark the ``corners``, a half of the names and how many, that were points before."""
+    (half, count), (face_p, face_q) = corners, faces
+    name, known = scratch.name[half], scratch.known
+    n_vertices, n_edges = scene.local.shape[0], scene.edge.shape[0]
+    for i in range(count):
+        on_p, on_q = _features(
+            scene.ring, scene.corner, face_p, face_q, name, i, n, m, n_vertices, n_edges
+        )
+        on_a, on_b = (on_p, on_q) if p_is_a else (on_q, on_p)
+        name[i, KEPT], k = 0, 0
+        while known[k, 0] >= 0 and name[i, KEPT] == 0:
+            name[i, KEPT] = known[k, 0] == on_a and known[k, 1] == on_b
+            k += 1
+
+
+@njit(cache=True)
+def _missing(scene, scratch, faces, p_is_a, corners, m):
+    """How many vertices of the incident face were points on the reference face before, and are no
+    ``corners``, a half of the names and how many."""
+    (half, count), (face_p, face_q) = corners, faces
+    on_face = scene.local.shape[0] + scene.edge.shape[0] + face_p
+    name, known, own, missing, k = scratch.name[half], scratch.known, 0 if p_is_a else 1, 0, 0
+    while known[k, 0] >= 0:
+        for j in range(m if known[k, own] == on_face else 0):
+            if _vertex(scene.ring, scene.corner, face_q, j, True) != known[k, 1 - own]:
+                continue
+            found = False
+            for i in range(count):
+                found = found or (name[i, TYPE] == VERTEX_Q and name[i, OF_Q] == j)
+            missing += not found
+        k += 1
+    return missing
+
+
+@njit(cache=True)
+def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
+    """Corners of the overlap, with points up to ``slack`` [m] outside, by name: which half of the
+    arrays and how many; area, centroid and perimeter; and how many are `_missing`."""
+    reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon
+    name = scratch.name
+    corners = clip(incident, m, reference, n, slack, polygon, name)
+    half, count = corners
+    measures = measure(polygon, half, count)
+    name_corners(polygon, name, half, count, incident, m, reference, n, near)
+    return corners, measures, _missing(scene, scratch, faces, p_is_a, corners, m)
+
+
+@njit(cache=True)
+def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
-    half, count = clip(incident, m, reference, n, SUMS * near / CLIP, polygon, name)
-    area, cx, cy, perimeter = measure(polygon, half, count)
-    if area == 0.0:
-        half, count = clip(incident, m, reference, n, near, polygon, name)
-        _, cx, cy, perimeter = measure(polygon, half, count)
+    polygon, name, slack = scratch.polygon, scratch.name, SUMS * near / CLIP
+    corners, measures, missing = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
+    area = measures[0]
+    if area == 0.0 or missing > 0:
+        corners, measures, still = _cut(scene, scratch, faces, p_is_a, m, n, near, near)
+        if area > 0.0:
+            if still == missing:
+                corners, measures, _ = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
+            area = measures[0]
+    (half, count), (_, cx, cy, perimeter) = corners, measures
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)
-        name_corners(polygon, name, half, count, incident, m, reference, n, near)
+        _mark_kept(scene, scratch, faces, p_is_a, corners, n, m)
         count = merge_corners(polygon, name, half, count, short, near)
         half = sort_corners(polygon, name, half, count)
     return half, count, area, cx, cy
@@ -191,7 +246,7 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
         of_part[part_a if p_is_a else part_b], face_p, face_q, scratch.work, reference, incident,
     )  # fmt: skip
     near = CLIP * min(extent[face_p, 1], extent[face_q, 1])
-    half, count, area, cx, cy = _overlap(reference, incident, m, n, near, polygon, name)
+    half, count, area, cx, cy = _overlap(scene, scratch, (face_p, face_q), p_is_a, m, n, near)
     if count == 0:
         return begin, np.inf
     cosine = 0.0

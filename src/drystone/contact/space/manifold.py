@@ -33,6 +33,10 @@ the other.  So that face, be it cut by what is far off, is the reference face th
 behind the edge the incident one, if their deepest point is as deep as the edges say, within
 EDGES_MARGIN.
 
+What was a point before stays one a little longer.  A vertex counts as on the face up to CLIP widths
+beyond its rim, and a short side keeps both ends (see `overlap`).  A point at the rim whose force
+takes it off would else be there in every second step.
+
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """
 
@@ -43,7 +47,18 @@ import numpy as np
 from drystone.common.arrays import IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import EDGES_MARGIN, KEPT_FACE
-from drystone.contact.contacts import EDGE_A, EDGE_B, FIRST, GAP, KIND, NONE, PART_A, PART_B
+from drystone.contact.contacts import (
+    EDGE_A,
+    EDGE_B,
+    FEATURE_A,
+    FEATURE_B,
+    FIRST,
+    GAP,
+    KIND,
+    NONE,
+    PART_A,
+    PART_B,
+)
 from drystone.contact.space.edges import edge_on_edge, edges_that_meet
 from drystone.contact.space.faces import face_points
 from drystone.contact.space.facing import faces_that_meet
@@ -66,11 +81,23 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
 
 
 @njit(cache=True)
+def _remember(which, begin, end, known):
+    """Features of the points of a pair, into ``known``."""
+    n = 0
+    for k in range(begin, end):
+        if which[k, KIND] != NONE:
+            known[n, 0], known[n, 1] = which[k, FEATURE_A], which[k, FEATURE_B]
+            n += 1
+    known[n, 0] = -1
+
+
+@njit(cache=True)
 def find(shapes, pose, world, pairs, reach, n_most, slots):
     """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap watched.
 
     ``n_most`` points are made of a quadrilateral overlap: 4, 16 or the square of an odd number.
-    What the slots hold before says which faces were used last, and is otherwise of no account.
+    What the slots hold before says which faces and corners were used last, and is otherwise of no
+    account.
     """
     place(shapes, pose, world)
     # Fields read once: in the loop each reading would count references.
@@ -86,6 +113,7 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
             continue
         p, q = of_pair[i, PART_A], of_pair[i, PART_B]
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
+        _remember(which, begin, end, scratch.known)
         empty(which, value, begin, end)  # unused ones as well: their values may be of other poses
         limit = reach + (radius[p] + radius[q])
         face_a, apart_a, former_a = best_face(

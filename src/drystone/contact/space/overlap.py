@@ -10,7 +10,9 @@ vertices meet, and another one with every rounding error, so corners are named a
 1. A corner nearer than CLIP widths to a vertex of the incident face is that vertex; else one that
    near to a vertex of the reference face is that one; else it is where two sides cross.
 2. The shortest side goes, as long as it is shorter than MERGE widths of the overlap, and of its
-   two ends the less well defined one: the crossing before the vertex.
+   two ends the less well defined one: the crossing before the vertex.  A side both ends of which
+   were points before goes only where it is shorter than MERGED_AGAIN of that: else a point that
+   carries would be there in one step and not in the next, as its force opens it.
 
 What remains are true corners of the overlap in their true places.  Faces that only share a piece
 of a side, or a corner, overlap nowhere; they are cut with a slack of CLIP widths and keep the one
@@ -24,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import ROUNDING, SUMS, TURNS
+from drystone.common.tolerances import MERGED_AGAIN, ROUNDING, SUMS, TURNS
 
 #: What a corner or point is: a vertex of the incident face, one of the reference face, where two
 #: sides cross, a point on a side of the overlap, the inner point of a corner or the centroid.
@@ -32,8 +34,10 @@ VERTEX_Q, VERTEX_P, CROSSING, ON_SIDE, INNER = 0, 1, 2, 3, 4
 
 #: Columns of the names of corners and points: what it is; vertex or side of the reference face;
 #: of the incident face; the side that leaves the corner (those of the incident face first, then
-#: those of the reference face) or, of points, the number along the side.
-TYPE, OF_P, OF_Q, LEAVES = range(4)
+#: those of the reference face) or, of points, the number along the side; of corners, whether they
+#: were points before.
+TYPE, OF_P, OF_Q, LEAVES, KEPT = range(5)
+N_NAME = 5
 
 
 @njit(cache=True)
@@ -146,7 +150,7 @@ def clip(incident, m, reference, n, slack, corner, name):
                 made += 1
             if inside and made < capacity:
                 corner[other, made, 0], corner[other, made, 1] = x, y
-                for c in range(4):
+                for c in range(N_NAME):
                     name[other, made, c] = name[side, i, c]
                 made += 1
             before, d_before = i, d
@@ -200,7 +204,7 @@ def _drop(corner, name, half, count, removed):
     """Take one corner out of a list."""
     for i in range(removed, count - 1):
         corner[half, i, 0], corner[half, i, 1] = corner[half, i + 1, 0], corner[half, i + 1, 1]
-        for c in range(4):
+        for c in range(N_NAME):
             name[half, i, c] = name[half, i + 1, c]
 
 
@@ -214,6 +218,8 @@ def merge_corners(corner, name, half, count, short, near):
             d = (corner[half, j, 0] - corner[half, i, 0]) ** 2 + (
                 corner[half, j, 1] - corner[half, i, 1]
             ) ** 2
+            if name[half, i, KEPT] and name[half, j, KEPT]:
+                d /= MERGED_AGAIN * MERGED_AGAIN
             if d <= shortest:
                 shortest, at = d, i
         if at < 0:
@@ -258,7 +264,7 @@ def sort_corners(corner, name, half, count):
     for i in range(count):
         j = i + start if i + start < count else i + start - count
         corner[other, i, 0], corner[other, i, 1] = corner[half, j, 0], corner[half, j, 1]
-        for c in range(4):
+        for c in range(N_NAME):
             name[other, i, c] = name[half, j, c]
     return other
 

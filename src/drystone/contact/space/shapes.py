@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
+from drystone.contact.space.overlap import N_NAME
 from drystone.geometry.rotation import place_axes
 
 
@@ -86,12 +87,14 @@ class Scratch(NamedTuple):
     reference: Array  # (most, 2) m, corners of the reference face, seen along its normal
     incident: Array  # (most, 2) m, corners of the incident face
     polygon: Array  # (2, capacity, 2) m, corners of their overlap; see `overlap.clip`
-    name: IntArray  # (2, capacity, 4) what these are
+    name: IntArray  # (2, capacity, N_NAME) what these are
     point: Array  # (largest, 2) m, contact points; see `overlap.spread`
     mark: IntArray  # (largest, 4) what these are
     weight: Array  # (largest,) m2
     work: Array  # (5, 3) tangents of the reference face, and scratch of rims
     crossing: Array  # (5, 3) of edges, see `separation.best_edges`; kept while faces are tried
+    # (largest + 1, 2) features of the pair's points before; behind the last of them, -1.
+    known: IntArray
 
 
 @njit(cache=True)
@@ -129,12 +132,13 @@ def scratch_for(ring, points):
         np.empty((most, 2)),
         np.empty((most, 2)),
         np.empty((2, capacity, 2)),
-        np.empty((2, capacity, 4), np.int64),
+        np.empty((2, capacity, N_NAME), np.int64),
         np.empty((largest, 2)),
         np.empty((largest, 4), np.int64),
         np.empty(largest),
         np.empty((5, 3)),
         np.empty((5, 3)),
+        np.empty((largest + 1, 2), np.int64),
     )
 
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.contact.contacts import INTACT, NONE, PAIR, SLOT, Pairs, Slots
+from drystone.contact.histories import Histories, handed_on
 from drystone.geometry.rotation import all_axes, difference
 from drystone.law import space as space_law
 from drystone.law.branches import OPEN
-from drystone.law.columns import BROKEN, DILATION, KN
+from drystone.law.columns import DILATION, KN
 from drystone.statics.equations import Loaded
 from drystone.statics.space import contacts
 from drystone.statics.static_step import StaticStep
@@ -49,9 +50,10 @@ class SpaceStep(StaticStep):
         """Update the contacts of pairs that press each other at features that were not followed.
 
         Blocks that come together within a step may touch with other features than those followed
-        from afar, and overlap there without a force.  The step then begins again, with the contacts
-        that such pairs have where the blocks are now.  Returns whether there are any with an
-        overlap worth more than `Accuracy.pressed`.
+        from afar, and overlap there without a force; or a point where two edges cross has moved
+        along them.  The step then begins again, with the contacts that such pairs have where the
+        blocks are now; these inherit the history of those followed.  Returns whether there are any
+        with an overlap worth more than `Accuracy.pressed`.
         """
         pairs, n = self.pairs, self.n
         self._find()
@@ -69,18 +71,22 @@ class SpaceStep(StaticStep):
         anew = ((pressed > self.accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
-        history, branch = self.history_before.copy(), self.by_slot(self.branch)
+        branch = self.by_slot(self.branch)
+        past = Histories.own(
+            self.known.copied(), self.history_before, self.by_slot(self.reaction), branch
+        )
         self.known.which[anew], self.known.value[anew] = (
             self.found.which[anew],
             self.found.value[anew],
         )
-        history[anew], branch[anew] = 0.0, OPEN
-        history[anew, BROKEN] = 1.0
         self.detector.follow(pairs, self.pose, self.known, self.slots)
-        self.origin[anew] = -1
+        heirs = handed_on(self.detector.narrow, past, pairs, self.slots)
+        source = heirs.source[anew]
+        self.origin[anew] = np.where(source >= 0, self.origin[source], -1)
         if len(self.current):
-            self.current[anew] = self.fresh[anew]
-        self.history_before[:] = history
+            taken = np.where(source[:, None] >= 0, self.current[source], self.fresh[anew])
+            self.current[anew] = taken
+        self.history_before[anew], branch[anew] = heirs.history[anew], heirs.branch[anew]
         self._begin_again(self.slots, branch)
         return True
 
