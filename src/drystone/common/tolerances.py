@@ -245,8 +245,8 @@ CLIP = 1e-3
 MERGE = 5e-2
 
 #: Share of `MERGE` below which a side goes both ends of which were points before.  Range, halved:
-#: peaks of vaults and stairs the same, steps by 2 %; but for a vault that falls in motion, whose end
-#: is 1e-4 m nearer, in 17 % fewer steps.
+#: peaks of vaults and stairs the same, steps by 2 %; but for a vault that falls in motion, which
+#: ends 1e-4 m sooner, in 17 % fewer steps.
 MERGED_AGAIN = 0.5
 
 #: Sine of the angle from which on a corner of an overlap adds a kite to what rounding edges takes.
