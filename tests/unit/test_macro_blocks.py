@@ -472,7 +472,7 @@ class TestSliding:
     slides, but for what it tips over the rim with in the end."""
 
     @pytest.mark.parametrize("direction", [1.0, -1.0])
-    @pytest.mark.parametrize(("friction", "least", "most"), [(0.7, 0.0, 0.01), (0.1, 0.95, 1.0)])
+    @pytest.mark.parametrize(("friction", "least", "most"), [(0.7, -0.01, 0.01), (0.1, 0.95, 1.01)])
     def test_a_block_that_rocks_or_slides(self, friction, direction, least, most):
         blocks = [
             box("base", (-1, -1, -0.2), (2, 2, 0), support=True),
@@ -481,3 +481,19 @@ class TestSliding:
         model = model_of(blocks, joint(friction, 1e10), push=[direction, 0.0, 0.0])
         found = reduced(ds.pushover(model, engine="equilibrium"), model)
         assert least <= found.as_dict()["friction"] <= most
+
+    def test_a_load_above_the_centroid_does_its_work_there(self):
+        """A force at the top of a block that rocks, and a weight on it that sinks as it leans."""
+        blocks = [
+            box("base", (-1, -1, -0.2), (2, 2, 0), support=True),
+            box("block", (0, 0, 0), (0.3, 0.5, 1.0)),
+        ]
+        model = model_of(blocks, joint(0.9, 1e10), push=[1.0, 0.0, 0.0])
+        top = (0.15, 0.25, 1.0)
+        push = ds.PointForce(block="block", point=top, force=np.array([100.0, 0.0, 0.0]))
+        on_it = ds.ForceLoad(
+            block="block", point=top, force=np.array([0.0, 0.0, -1500.0]), mass=False
+        )
+        model = replace(model, load=ds.ForcesPattern(entries=(push,)), dead_loads=(on_it,))
+        found = reduced(ds.pushover(model, engine="equilibrium"), model)
+        assert found.as_dict()["friction"] == pytest.approx(0.0, abs=0.02)

@@ -603,7 +603,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             n_steps=state.n_steps,
             static=self._is_static(state, report),
             highest_at=state.highest_at,
-            falls=report.reached != 0.0 and state.slope <= 0.0,
+            multiplier_falls=report.reached != 0.0 and state.slope <= 0.0,
         )
 
     def _over_in_motion(self, state: DisplacementState, report: StepReport) -> End | None:

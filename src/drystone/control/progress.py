@@ -16,8 +16,8 @@ class Progress:
     static: bool = True  # whether the last point is at rest
     highest_at: float = float("-inf")  # m, control displacement of the highest multiplier
     #: Whether the multiplier fell to where it is, or stayed, as the control point went on.  Where a
-    #: bond breaks it drops while the control point stays, and rises again from there.
-    falls: bool = True
+    #: bond or a tie breaks it drops while the control point stays, and rises again from there.
+    multiplier_falls: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)

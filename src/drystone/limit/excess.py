@@ -18,6 +18,7 @@ import numpy as np
 
 from drystone.common.arrays import IntArray
 from drystone.contact.forces import ContactForces
+from drystone.geometry import patches
 from drystone.geometry.motion import angles_of, rotation_vectors, translations
 from drystone.limit.against import carried_against
 from drystone.limit.beside import exceeds
@@ -180,13 +181,14 @@ def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float)
         f"(joints are pressed by up to {point.penetration:.2g} m)"
     )
     assembly = model.assembly
-    if any(Yielding.CRUSH.of(law) for law in assembly.laws):
-        text += (
-            f"; and joints that are crushed have {assembly.points} contact points, where limit "
-            "analysis has more: [contact] points"
-        )
     friction = max(law.friction_coefficient for law in assembly.laws)
     change = (1.0 + friction**2) * turn + far / assembly.smallest_extent
     if point.load_multiplier - bound > FAR_OFF * change * max(1.0, abs(bound)):
-        return f"{text}, which is too little to be the cause: doubt this point"
+        text = f"{text}, which is too little to be the cause: doubt this point"
+    many = patches.POINTS if assembly.dimension == 2 else patches.ALONG**2
+    if assembly.points < many and any(Yielding.CRUSH.of(law) for law in assembly.laws):
+        text += (
+            f"; joints that are crushed have {assembly.points} contact points, where limit "
+            f"analysis has {many}: see [contact] points"
+        )
     return text

@@ -166,8 +166,8 @@ def _law_notes(assembly: Assembly) -> list[str]:
     ):
         many = assembly.kind.points_if_crushed
         warnings.append(
-            f"contact: with {assembly.points} points a joint, bonds in bending carry up to three "
-            f"times what they do where the edge cracks first: [contact] points, up to {many}, tell"
+            f"contact: with {assembly.points} points a joint, a bond in bending may carry three "
+            f"times what it does if its edge cracks first: compare with [contact] points = {many}"
         )
     if assembly.joint.normal_stiffness is None or assembly.joint.shear_stiffness is None:
         warnings.append("joint: without stiffnesses only limit analysis can be done")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import say
-from drystone.common.tolerances import ROUNDING
+from drystone.common.tolerances import MISSING, ROUNDING
 from drystone.contact.forces import ContactForces
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import STATES, TieState
@@ -211,8 +211,8 @@ def _stays(before: CurvePoint, point: CurvePoint) -> bool:
     """Whether the control point stays between two points at rest, as where a bond breaks."""
     if {before.status, point.status} != {STATIC}:
         return False
-    far = abs(before.control_displacement)
-    return abs(point.control_displacement - before.control_displacement) <= ROUNDING * far
+    rounding = max(ROUNDING * abs(before.control_displacement), MISSING)
+    return abs(point.control_displacement - before.control_displacement) <= rounding
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

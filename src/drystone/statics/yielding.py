@@ -146,7 +146,8 @@ class _Come(NamedTuple):
         before = np.where((step.origin < 0)[:, None], step.history_before, history[step.origin])
         reached = strengths.reached(law, before, after, gap)
         change = difference(strengths.current(law, before, reached), step.current, normal, area)
-        return cls(step.origin, before, after, reached, change)
+        # A copy: contacts may be found anew before it is used.
+        return cls(step.origin.copy(), before, after, reached, change)
 
 
 class _Converged(NamedTuple):

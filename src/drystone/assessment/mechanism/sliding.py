@@ -9,6 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from drystone.assessment.mechanism.field import VelocityField, chord
+from drystone.common.arrays import Array
 from drystone.model.loading import Acting
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.model import Model
@@ -18,7 +19,7 @@ from drystone.results.curve import STATIC, CapacityCurve
 def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
     """Share of the work of the load that lifts no weight, from the start to the first jump or the
     end; None where ties or springs take part of it, or the load does no work.  What bonds take
-    before they break is next to nothing."""
+    before they break, and joints store, is next to nothing."""
     if model.ties or curve.poses is None:
         return None
     acting = Acting.of(model.assembly, model.load, model.dead_loads)
@@ -27,14 +28,15 @@ def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
     for before, after in pairwise(curve.points):
         if after.status != STATIC or after.jumped:
             break
-        field = chord(model.assembly, curve.poses[before.step], curve.poses[after.step])
+        poses = curve.poses[before.step], curve.poses[after.step]
+        field = chord(model.assembly, *poses)
         mean = 0.5 * (before.load_multiplier + after.load_multiplier)
-        done += mean * _work(acting.pattern, field)
-        lifted -= _work(dead, field)
-    return min(max(1.0 - lifted / done, 0.0), 1.0) if done > 0.0 else None
+        done += mean * _work(acting.pattern, field, poses)
+        lifted -= _work(dead, field, poses)
+    return 1.0 - lifted / done if done > 0.0 else None
 
 
-def _work(forces: DeadForces, field: VelocityField) -> float:
-    """Of forces on all blocks along a chord [J]."""
-    work = (forces.force * field.velocity).sum() + (forces.moments() * field.spin).sum()
-    return float(work)
+def _work(forces: DeadForces, field: VelocityField, poses: tuple[Array, Array]) -> float:
+    """Of forces on all blocks along the chord between two poses (n, n_pose) [J]."""
+    turning = 0.5 * (forces.moments(poses[0]) + forces.moments(poses[1]))
+    return float((forces.force * field.velocity).sum() + (turning * field.spin).sum())

@@ -122,7 +122,7 @@ def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     if area == 0.0 or missing > 0:
         corners, measures, still = _cut(scene, scratch, faces, p_is_a, m, n, near, near)
         if area > 0.0:
-            if still == missing:
+            if still >= missing:
                 corners, measures, _ = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
             area = measures[0]
     (half, count), (_, cx, cy, perimeter) = corners, measures

@@ -33,9 +33,9 @@ the other.  So that face, be it cut by what is far off, is the reference face th
 behind the edge the incident one, if their deepest point is as deep as the edges say, within
 EDGES_MARGIN.
 
-What was a point before stays one a little longer.  A vertex counts as on the face up to CLIP widths
-beyond its rim, and a short side keeps both ends (see `overlap`).  A point at the rim whose force
-takes it off would else be there in every second step.
+What was a point before stays one a little longer.  A vertex of the incident face counts as on the
+reference face up to CLIP widths beyond its rim, and a short side keeps both ends (see `overlap`).
+A point at the rim whose force takes it off would else be there in every second step.
 
 Features are numbers: vertices of all parts, then edges, then faces, then points between.
 """

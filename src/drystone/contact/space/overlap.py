@@ -104,7 +104,7 @@ def clip(incident, m, reference, n, slack, corner, name):
     """What of the incident polygon (m corners) lies in the reference polygon (n corners).
 
     Points up to ``slack`` [m] outside count as inside.  ``corner`` (2, k, 2) and ``name``
-    (2, k, 4) are filled; returned is which of the two halves holds the result, and its length.
+    (2, k, N_NAME) are filled; returned is which of the two halves holds the result, and its length.
     """
     side, count, capacity = 0, m, corner.shape[1]
     for j in range(m):

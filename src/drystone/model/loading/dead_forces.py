@@ -91,11 +91,12 @@ class DeadForces:
         rotations(found)[:] = about_own_axes(about, principal_axes(assembly, pose))
         return found
 
-    def moments(self) -> Array:
-        """Moments as designed about the axes of the world, (n, 1) in the plane, (n, 3) [N m]."""
+    def moments(self, pose: Array | None = None) -> Array:
+        """Moments about the axes of the world, as designed or in poses (n, n_pose), (n, 1) in the
+        plane, (n, 3) in space [N m]."""
         if self.lever is None:
             return np.zeros_like(moments(self.force, self.force))
-        return axial(self.lever)
+        return axial(self.lever if pose is None else self.tensor(pose))
 
     def stiffness(self, assembly: Assembly, pose: Array) -> Array:
         """By how much moments fall as blocks turn on, (n, n_rot, n_rot) [N m], in space about the

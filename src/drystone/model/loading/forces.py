@@ -58,9 +58,10 @@ class ForcesPattern:
 
     def along(self, assembly: Assembly) -> Array:
         """That of their sum; of forces that have none, of the first."""
-        # Those of one block may be a couple, and nothing in sum.
-        force = np.array([entry.force for entry in self.entries])
-        return leading(self.forces(assembly).force.sum(axis=0), force)
+        force = self.forces(assembly).force
+        if not force.any():  # those of each block are a couple
+            force = np.array([entry.force for entry in self.entries])
+        return leading(force.sum(axis=0), force)
 
     def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
