@@ -20,7 +20,7 @@ from drystone.law.limits import crushing
 
 
 @njit(cache=True, error_model="numpy")
-def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack=0.0):
+def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
     """Largest distances [N] of reactions from those that the joint law gives.
 
     The law's reaction is r_n = k_n <-g> and r_t = t_0 - k_s s, drawn back to mu r_n + bond where it

@@ -18,14 +18,13 @@ import numpy as np
 
 from drystone.common.arrays import IntArray
 from drystone.contact.forces import ContactForces
-from drystone.geometry import patches
 from drystone.geometry.motion import angles_of, rotation_vectors, translations
 from drystone.limit.against import carried_against
 from drystone.limit.beside import exceeds
 from drystone.limit.collapse import ASSOCIATIVE, NO_FORCE, bound_with, collapse_load
+from drystone.limit.crushing import spread
 from drystone.limit.edges import Edges
 from drystone.limit.joints import ContactPoints, contact_points, joined, points_at
-from drystone.model.joint_law import Yielding
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve, CurvePoint
 from drystone.results.events import COLLAPSES, EventKind
@@ -185,8 +184,10 @@ def _motion(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float)
     change = (1.0 + friction**2) * turn + far / assembly.smallest_extent
     if point.load_multiplier - bound > FAR_OFF * change * max(1.0, abs(bound)):
         text = f"{text}, which is too little to be the cause: doubt this point"
-    many = patches.POINTS if assembly.dimension == 2 else patches.ALONG**2
-    if assembly.points < many and any(Yielding.CRUSH.of(law) for law in assembly.laws):
+    designed = contact_points(assembly)
+    joint = spread(designed).joint
+    many = int(np.bincount(joint[joint >= 0]).max(initial=0))
+    if assembly.points < many and np.isfinite(designed.crushing).any():
         text += (
             f"; joints that are crushed have {assembly.points} contact points, where limit "
             f"analysis has {many}: see [contact] points"
