@@ -63,7 +63,7 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     dropped where a bond broke, or from which it rises: the rest of the joint takes the load up.
     """
     s, p = settings, progress
-    onwards = p.static and p.multiplier_falls and p.displacement >= p.highest_at
+    onwards = p.may_end(p.highest_at)
     for stop, value in s.stops:
         if stop.first and (end := stop.end(value, p)):
             return end

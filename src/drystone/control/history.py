@@ -107,7 +107,7 @@ def told(decision: Decision[Memory], sense: float) -> Decision[Memory]:
 def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
     """The end of a leg beyond the first before its displacement, or None; in its own sense."""
     s, p = settings, progress
-    onwards = p.static and p.multiplier_falls and p.displacement >= max(p.highest_at, 0.0)
+    onwards = p.may_end(max(p.highest_at, 0.0))
     if onwards and p.multiplier < s.stop_multiplier < p.highest:
         return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
     for stop, value in s.stops:

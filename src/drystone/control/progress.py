@@ -19,6 +19,11 @@ class Progress:
     #: bond or a tie breaks it drops while the control point stays, and rises again from there.
     multiplier_falls: bool = True
 
+    def may_end(self, least: float) -> bool:
+        """Whether its multiplier, if low, ends a curve whose control point went on from ``least``
+        [m]: at rest, and not as a bond breaks."""
+        return self.static and self.multiplier_falls and self.displacement >= least
+
 
 @dataclass(frozen=True, kw_only=True)
 class End:
