@@ -27,6 +27,7 @@ from drystone.model.builders import (
     stack,
 )
 from drystone.model.joint_law import JointLaw
+from drystone.model.loading import TiltPattern
 from drystone.model.ties import Tie, TieEnd
 
 EXACT = 1e-9
@@ -96,6 +97,25 @@ def test_tensile_strength_holds_a_rocking_block(flow, tension):
     assert collapse_load(block(law), flow=flow).load_multiplier == pytest.approx(
         expected, abs=EXACT
     )
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.95, 1.05, 30.0])
+def test_a_bonded_block_on_a_tilting_table(flow, share):
+    """Strength counts by 1 / cos of the angle more: l = B/H + s sqrt(1 + l^2), s = f A B / W H.
+
+    From s = 1 on it holds the block on a table that stands upright.
+    """
+    tension = share * UNIT_WEIGHT * H * H / B
+    law = joint(0.9, cohesion=50.0 * tension, tensile_strength=tension)
+    tilted = block(law).with_load(TiltPattern(direction=np.array([1.0, 0.0])))
+    found = collapse_load(tilted, flow=flow)
+    if share >= 1.0:
+        assert found.status == "locked" and "turned upright" in found.reason
+        return
+    a = B / H
+    expected = (a + share * np.sqrt(1.0 + a**2 - share**2)) / (1.0 - share**2)
+    assert found.load_multiplier == pytest.approx(expected, rel=1e-6)
 
 
 def test_tension_ends_where_the_friction_cone_does():

@@ -45,6 +45,9 @@ SAME_STATE = 3e-7
 #: Solutions for a rotated load, and change of the multiplier below which it has converged: as
 #: finely as it is known, a non-associative one in space to some 3e-7.
 TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
+#: Multiplier above which a structure is taken to stand on a ground that is turned upright: that of
+#: 89.94 degrees; and by how much farther it is turned next where strengths grow as fast.
+UPRIGHT, FARTHER = 1e3, 10.0
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -203,23 +206,31 @@ def _tilted(
     """Collapse under a load that decreases as it rotates, by the cosine of the angle.
 
     Strengths, and loads that do not decrease, count by as much more.  For friction alone that makes
-    no difference; else it is repeated until the multiplier has converged.
+    no difference; else the angle at which they count is found by secants.
     """
-    cosine, last, same = 1.0, np.nan, SAME_TILT[flow]
+    angle, before, same = 0.0, None, SAME_TILT[flow]  # the angle by its tangent
     beside = equilibrium.untilted
     for _ in range(TILTS):
+        growth = float(np.hypot(1.0, angle))
         stronger = replace(
             equilibrium,
-            dead=equilibrium.dead + (0.0 if beside is None else (1.0 / cosine - 1.0) * beside),
-            cohesion=equilibrium.cohesion / cosine,
-            tension=equilibrium.tension / cosine,
+            dead=equilibrium.dead + (0.0 if beside is None else (growth - 1.0) * beside),
+            cohesion=equilibrium.cohesion * growth,
+            tension=equilibrium.tension * growth,
         )
         (found,) = _collapses(stronger, (flow,), settings, most)
         multiplier = found.load_multiplier
-        if not np.isfinite(multiplier) or abs(multiplier - last) <= same * abs(multiplier):
-            break
-        last, cosine = multiplier, 1.0 / np.sqrt(1.0 + multiplier**2)
-    return found
+        if not np.isfinite(multiplier) or abs(multiplier - angle) <= same * abs(multiplier):
+            return found
+        if angle > UPRIGHT:
+            return _without(equilibrium, flow, "locked", STANDS_UPRIGHT)
+        slope = 0.0 if before is None else (multiplier - before[1]) / (angle - before[0])
+        before = angle, multiplier
+        if slope < 1.0:
+            angle += (multiplier - angle) / (1.0 - slope)
+        else:
+            angle = FARTHER * multiplier
+    return _without(equilibrium, flow, "failed", NO_TILT)
 
 
 def _collapses(
@@ -274,6 +285,8 @@ LOCKED = (
     "no finite multiplier: friction, or what has no limit of strength, can carry any multiple of "
     "the load in this direction"
 )
+STANDS_UPRIGHT = "no finite multiplier: bonds or ties hold the structure on a ground turned upright"
+NO_TILT = f"no angle of the ground was found at which it collapses, in {TILTS} solutions"
 
 
 def stands(assembly: Assembly) -> bool:
