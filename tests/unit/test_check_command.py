@@ -94,6 +94,15 @@ def test_what_is_hardly_meant_is_told_with_the_mend(tmp_path, old, new, said):
     assert f"warning: {problem}" in drystone("check", path).stdout
 
 
+def test_settings_of_a_load_are_told_where_supports_move(tmp_path):
+    moved = '[settlement]\nblocks = ["base"]\ndirection = [0.0, -1.0]\nmax = 0.01\n'
+    moved += '[analysis]\nstrategy = "published"\nmax_displacement = 0.001\nmax_steps = 5\n'
+    old = '[load]\npattern = "mass"\ndirection = [1.0, 0.0]\n'
+    found = problems(written(tmp_path, (old, moved)))
+    assert [sentence.split()[1] for sentence in found] == ["max_displacement", "strategy"]
+    assert all("[settlement] says how far" in sentence for sentence in found)
+
+
 def test_courses_of_unequal_lengths_are_told(tmp_path):
     found = problems(written(tmp_path, more=WALL))
     assert 'wall.courses[2]: "h1h" is 2 units long, the longest course 3' in found[0]

@@ -357,6 +357,7 @@ class TestOutput:
         assert len((out / "toy.txt").read_text().splitlines()) == -(-n_points // 3)
         written = again(ds.read_model(path), tmp_path)
         assert written.analysis.outputs == (("toy", {"every": 3}),)
+        assert written.with_analysis(max_steps=3).analysis.outputs == written.analysis.outputs
         # A run that does not ask for it removes the old one.
         run("run", wall(), "--out", out, "--json", "--quiet")
         assert (out / "curve.csv").exists() and not (out / "toy.txt").exists()
@@ -479,6 +480,12 @@ class TestStop:
         add(STOP)
         model = ds.read_model(wall())
         curve = ds.pushover(model, most_fall=0.1, max_displacement=1.0, progress=False)
+        assert curve.reason == "the multiplier has fallen by 0.1 of its peak"
+        # Likewise where the support turns about a point to the left of it: the wall's arm shortens.
+        turned = ds.Settlement(
+            blocks=(model.assembly.ids[0],), centre=(-0.5, 0.0), clockwise=False, max=10.0
+        )
+        curve = ds.pushover(model.with_settlement(turned), most_fall=0.1, progress=False)
         assert curve.reason == "the multiplier has fallen by 0.1 of its peak"
         with pytest.raises(ds.EngineError, match="most_fall: must be at most 1"):
             ds.pushover(model, most_fall=2.0, progress=False)

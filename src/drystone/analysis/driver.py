@@ -87,7 +87,7 @@ Settings = TypeVar(
 #: Default displacement per step over the smallest extent of a block.
 STEP_SHARE = 0.005
 
-#: Largest one: what moves farther in a step no engine follows, and a peak goes by unseen.
+#: Largest one: with longer steps engines fail, and a peak may be missed.
 COARSEST_SHARE = 0.2
 
 #: Steps in the longest leg of a history, at least: a loop has an area and a shape.
@@ -98,6 +98,14 @@ STEPS_IN_LEG = 20
 STILL = 1.0
 
 STRATEGIES = ("displacement", "published")
+
+#: Names of the settings of an analysis that are no conditions under which it stops.
+SETTINGS = {
+    field.name
+    for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
+    for field in fields(cls)
+}
+SETTINGS = (SETTINGS - {"stops", "farthest"}) | {"mechanism_displacement", *SITTING}
 
 #: Blocks up to which states are kept in the result by default: at 500, some 0.4 MB a point.
 MOST_KEPT = 500
@@ -660,17 +668,11 @@ def _options_of(strategy: str, analysis: Analysis) -> dict[str, float]:
     options = {"stop_multiplier": analysis.stop_multiplier, **analysis.options}
     if strategy not in (*STRATEGIES, SETTLEMENT, CYCLIC):
         raise EngineError(f'there is no strategy "{strategy}": take {" or ".join(STRATEGIES)}')
-    known = {
-        f.name
-        for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
-        for f in fields(cls)
-    }
-    known = (known - {"stops", "farthest"}) | {"mechanism_displacement", *SITTING}
-    unknown = [key for key in options if key not in known and key not in STOPS]
+    unknown = [key for key in options if key not in SETTINGS and key not in STOPS]
     if unknown:
         raise EngineError(f'there is no setting "{unknown[0]}" of the analysis')
     wrong = [sentence for key, value in options.items() if (sentence := problem(key, value))]
-    stops = stops_of({key: x for key, x in options.items() if key not in known})
+    stops = stops_of({key: x for key, x in options.items() if key not in SETTINGS})
     wrong += [sentence for stop, x in stops if (sentence := stop.problem(x))]
     if wrong:  # also of settings that this strategy does not use, as in a model file
         raise EngineError(f"[analysis] {wrong[0]}")
@@ -738,6 +740,7 @@ def _support_control(
         corners = np.vstack([assembly.blocks[i].vertices for i in rows])
         lever = float(np.linalg.norm(corners - settlement.centre, axis=1).max())
     step = options["displacement_step"]
+    unused = SETTINGS | {"farthest", "max_displacement"}
     return SupportControl(
         SupportSettings(
             largest=settlement.largest,
@@ -750,7 +753,8 @@ def _support_control(
             else 0.0,
             fall=tolerances.SUPPORT_FALL * assembly.smallest_extent,
             grow_iterations=int(options.get("grow_iterations", SupportSettings.grow_iterations)),
-            max_steps=int(options.get("max_steps", SupportSettings.max_steps)),
+            # How far supports go, [settlement] says.
+            stops=stops_of({k: x for k, x in options.items() if k not in unused}),
         )
     )
 

@@ -9,13 +9,14 @@ and the supports go on; or it falls.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from drystone.common import tolerances
 from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.control.base import Decision, Strategy
-from drystone.control.progress import End
+from drystone.control.progress import End, Progress
+from drystone.control.stops import Stops, stops_of
 from drystone.engines.base import Demand, StepReport
 
 
@@ -43,7 +44,7 @@ class SupportSettings:
     bend_share: float = tolerances.SUPPORT_BEND
     time_step: float = 0.0  # s, of engines of dynamic formulations
     grow_iterations: int = 12
-    max_steps: int = 100_000
+    stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,22 +117,29 @@ class SupportControl(Strategy[_State]):
             jumps=state.jumps + 1 if jumps else 0,
             motion_ratio=report.motion / advanced if advanced else state.motion_ratio,
         )
+        dynamic = report.dynamic or report.inertia_ratio > s.inertia
         return self._decided(
             state,
-            self._over(state),
+            self._over(state, static=not dynamic),
             load_multiplier=report.reaction / s.unit,
             dynamic_multipliers=self._dynamic_multipliers(report),
-            dynamic=report.dynamic or report.inertia_ratio > s.inertia,
+            dynamic=dynamic,
             jumped=jumps,
         )
 
-    def _over(self, state: _State) -> End | None:
+    def _over(self, state: _State, *, static: bool) -> End | None:
         s = self.settings
-        if state.moved >= s.largest * tolerances.ALL_MOVED:
+        if not state.held_step and state.moved >= s.largest * tolerances.ALL_MOVED:
             return End(reason=say("end.supports_moved"), finished=True)
-        if state.n_steps >= s.max_steps:
-            return End(reason=say("end.supports_steps", n=s.max_steps))
-        return None
+        progress = Progress(
+            multiplier=state.reaction / s.unit,
+            highest=state.greatest / s.unit,
+            displacement=state.moved,
+            n_steps=state.n_steps,
+            static=static,
+        )
+        ends = (stop.end(value, progress) for stop, value in s.stops)
+        return next(filter(None, ends), None)
 
     def _dynamic_multipliers(self, report: StepReport) -> tuple[float, ...]:
         """Reactions that the curve shows at the dynamic points within a step."""
@@ -184,11 +192,10 @@ class SupportControl(Strategy[_State]):
         elif dynamic:
             longest = tolerances.LONGEST_HELD * s.jump_time_step
             state = changed(state, held_step=min(tolerances.JUMP_GROWTH * h, longest))
-            if state.n_steps >= s.max_steps:
-                end = End(reason=say("end.supports_steps", n=s.max_steps))
+            end = self._over(state, static=False)
         else:
             state = changed(state, held_step=0.0, step=self._floor(), jumps=state.jumps + 1)
-            end = self._over(state)
+            end = self._over(state, static=True)
         return self._decided(
             state,
             end,

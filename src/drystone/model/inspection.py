@@ -20,6 +20,15 @@ from drystone.model.model import Model
 LONGEST_BLOCK, LIGHTEST, HEAVIEST = 50.0, 1e3, 115e3
 #: Friction of 63 degrees.
 ROUGHEST = 2.0
+#: Keys of [analysis] that say nothing where supports move.
+OF_A_LOAD = (
+    "balance_tolerance",
+    "increment",
+    "max_displacement",
+    "overshoot",
+    "patience",
+    "time_step",
+)
 #: Share of the smallest block by which joints under a structure's weight may close.
 SOFT = 0.05
 
@@ -148,6 +157,20 @@ def doubts(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray)
         *_missed(assembly),
         *_unit_doubts(assembly),
         *_law_doubts(assembly),
+        *_unused(model),
+    ]
+
+
+def _unused(model: Model) -> list[str]:
+    """Settings of a load where supports move."""
+    if model.settlement is None:
+        return []
+    given = [name for name in OF_A_LOAD if name in model.analysis.options]
+    if model.analysis.strategy == "published":
+        given.append("strategy")
+    return [
+        f"analysis: {name} has no effect, because supports move: [settlement] says how far"
+        for name in given
     ]
 
 

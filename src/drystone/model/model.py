@@ -284,17 +284,19 @@ class Model:
             Settings by name, in addition to the present ones; None removes a setting.
         """
         now = self.analysis
+        given = {
+            "engine": engine,
+            "strategy": strategy,
+            "stop_multiplier": stop_multiplier,
+            "ground": ground,
+            "falling": falling,
+            "event_share": event_share,
+            "max_penetration": max_penetration,
+        }
+        changes: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
         merged = {**now.options, **options}
-        analysis = Analysis(
-            engine=now.engine if engine is None else engine,
-            strategy=now.strategy if strategy is None else strategy,
-            stop_multiplier=now.stop_multiplier if stop_multiplier is None else stop_multiplier,
-            ground=now.ground if ground is None else ground,
-            falling=now.falling if falling is None else falling,
-            event_share=now.event_share if event_share is None else event_share,
-            max_penetration=now.max_penetration if max_penetration is None else max_penetration,
-            options={name: value for name, value in merged.items() if value is not None},
-        )
+        kept = {name: value for name, value in merged.items() if value is not None}
+        analysis = replace(now, options=kept, **changes)
         return replace(self, analysis=analysis)
 
     def __repr__(self) -> str:

@@ -335,11 +335,11 @@ def bearable_scale(
     low = rocker.uplift / record.peak_acceleration
     step = max(low, 1e-3)
     while not fails(low + step):
-        step *= 1.5
-        if low + step > most * max(low, 1.0):
+        if low + 1.5 * step > most * max(low, 1.0):
             raise AssessmentError(
-                f"the record does not pass {limit:.4g} at {step:.3g} times itself"
+                f"the record does not pass {limit:.4g} at {low + step:.3g} times itself"
             )
+        step *= 1.5
     grid = np.linspace(low, low + step, n_points + 1)[1:].tolist()
     last = low
     for factor in grid:
