@@ -141,11 +141,6 @@ def test_a_disk_without_space_for_the_first_point(disk, whole):
         assert code == 2 and not (disk.path / "new").exists()
 
 
-def no_directory(folder: Path) -> None:
-    shutil.rmtree(folder)
-    folder.write_text("a file")
-
-
 #: Commands that write into a folder, of a model file and of a study file.
 COMMANDS: list[Callable[[Path, Path], tuple[object, ...]]] = [
     lambda folder, study: ("run", MODEL, "--out", folder),

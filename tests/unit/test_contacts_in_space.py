@@ -96,7 +96,7 @@ class Heap:
 
     def wrenches(self):
         wrench = np.full((3, 2, 6), np.nan)
-        args = self.which, self.start, self.now, self.first
+        args = self.start, self.now, self.first
         contacts.wrenches(*args, 0, 3, self.reaction, wrench)
         return wrench
 

@@ -371,7 +371,7 @@ class TestRandomAssemblies:
                 taken = take(engine, state, increment, guess=guess, whole=whole, changes=0.0)
                 if taken.solved.reason == "" and same_contacts(taken):
                     check(taken, whole=whole)
-                    together += path.LOST in taken.step.ends
+                    together += path.EXHAUSTED in taken.step.ends
         assert together >= 3
 
     def test_an_equilibrium_is_found_short_of_where_the_path_turns_back(self):

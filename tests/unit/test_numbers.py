@@ -69,7 +69,9 @@ def entries() -> dict[str, str]:
             above.insert(0, line.removeprefix("#:").strip())
         text = " ".join(above) if above else text if node.lineno == last + 1 else ""
         last = node.end_lineno or 0
-        found[ast.unparse(node.targets[0])] = text
+        name = ast.unparse(node.targets[0])
+        assert name not in found, f"{name} stands in the register twice"
+        found[name] = text
     return found
 
 

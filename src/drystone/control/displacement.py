@@ -483,7 +483,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             if nearer >= floor:
                 state = changed(state, stage=NEARING, increment=nearer)
             else:
-                state = changed(state, stage=CROSSING, increment=tolerances.CROSSING * floor)
+                state = changed(state, stage=CROSSING, increment=tolerances.CROSSING_LENGTH * floor)
         return self._decided(state, accept=False)
 
     def _load_grows_on(self, state: DisplacementState) -> bool:
@@ -504,7 +504,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if state.last == state.highest:
             floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
             if state.slope > 0.0:  # a crossing hides no more than a bend may
-                steepest = tolerances.CROSSING * state.slope
+                steepest = tolerances.CROSSING_LENGTH * state.slope
                 floor = min(floor, s.bend_share * self._carried(state) / steepest)
         return floor
 
@@ -559,7 +559,7 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _jumping(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
         if self._is_static(state, report):
-            increment = tolerances.CROSSING * s.floor_share * s.displacement_step
+            increment = tolerances.CROSSING_LENGTH * s.floor_share * s.displacement_step
             state = changed(
                 state, time_step=0.0, jump_end_step=state.time_step, increment=increment
             )

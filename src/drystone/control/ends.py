@@ -26,7 +26,7 @@ __all__ = [
 
 #: Steps in which whatever carries anything carries more than `NEXT_TO_NOTHING` of the stop value.
 EARLY = 100
-#: Likewise of a multiplier that does not rise at all, but for steps that move next to nothing.
+#: The same where the multiplier does not rise at all.
 AT_ONCE = 3
 
 #: Beginning of why a curve ends in motion.

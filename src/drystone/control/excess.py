@@ -44,16 +44,19 @@ class ExcessState:
     static: float = 0.0  # multiplier of the last point
     drop: float = 0.0  # by which it differed from the one before
     advance: float = 0.0  # m, motion of the control point over that
-    told: float | None = None  # what virtual work said of it, where something seemed to be loose
+    # What virtual work said of it, where something seemed to be loose.
+    virtual_work: float | None = None
     highest: float = 0.0
     highest_at: float = 0.0  # m, control displacement there
     displacement: float = 0.0  # m, of the control point at the last point
-    low_since: float | None = None  # m, control displacement where less than the stop value was
-    # carried first, in motion, and ever since
+    # m, control displacement where less than the stop value was carried first, in motion, and ever
+    # since.
+    low_since: float | None = None
     moving: bool = False  # whether inertia helped to carry the last point
     static_at: float = 0.0  # m, control displacement of the last point at rest
-    begun_at: float | None = None  # m, where a motion came to rest with less than the stop value
-    # carried and the load begins again, until the control point goes on from there
+    # m, where a motion came to rest with less than the stop value carried and the load begins
+    # again, until the control point goes on from there.
+    begun_at: float | None = None
     n_steps: int = 0
 
 
@@ -119,7 +122,7 @@ class ExcessControl(Strategy[ExcessState]):
             drop=state.drop if loose else abs(static - state.static),
             advance=abs(report.control_displacement - state.displacement)
             / max(abs(static - state.static), tolerances.TINY),
-            told=report.static_multiplier if loose else None,
+            virtual_work=report.static_multiplier if loose else None,
         )
         state = self._begun(state, report, dynamic)
         dynamic = dynamic or state.begun_at is not None
@@ -188,14 +191,15 @@ class ExcessControl(Strategy[ExcessState]):
         The control point moves with it, and virtual work gives the same multiplier again.  A
         negative static multiplier means a fall.
         """
-        if state.told is None or report.static_multiplier < 0.0:
+        if state.virtual_work is None or report.static_multiplier < 0.0:
             return False
         above = report.applied_multiplier - report.static_multiplier
         onwards = report.control_displacement - state.displacement
         return (
             above > 0.0
             and onwards > tolerances.WITH_THE_REST * report.motion
-            and abs(report.static_multiplier - state.told) < tolerances.SAME_MULTIPLIER * above
+            and abs(report.static_multiplier - state.virtual_work)
+            < tolerances.SAME_MULTIPLIER * above
         )
 
     def _low_since(self, state: ExcessState, report: StepReport, dynamic: bool) -> float | None:

@@ -1,4 +1,4 @@
-"""Columns of the tables of the joint law: of laws, of histories, of strengths, of responses."""
+"""Columns of the tables of the joint law: of laws and of histories."""
 
 from __future__ import annotations
 

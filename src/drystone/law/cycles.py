@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import AT_CONE, GRAZE, LOST
+from drystone.common.tolerances import AT_CONE, FULLY_SOFTENED, GRAZE
 from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import (
     BROKEN,
@@ -158,7 +158,7 @@ def normal_in_cycle(law, history, c, gap):
     if away <= 0.0:
         rn = -kn * away
         softened = law[c, BY_CRUSHING] * max(-history[c, DILATION], 0.0)
-        most = law[c, CRUSHES] * np.exp(-min(softened, LOST))
+        most = law[c, CRUSHES] * np.exp(-min(softened, FULLY_SOFTENED))
         if rn > most:
             crushed = (rn - most) / kn
             history[c, DILATION] -= crushed
@@ -195,6 +195,6 @@ def shear_in_cycle(law, history, c, rn, size):
         if whole:
             history[c, SOFTENED] += law[c, BY_SLIP] * slid
         now, work, size = SLIDING, most * slid, most
-    if whole and history[c, SOFTENED] > LOST:
+    if whole and history[c, SOFTENED] > FULLY_SOFTENED:
         history[c, BROKEN] = 1.0
     return size, now, work

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import LAST_DIGIT, LAST_DIGITS, LEAST_SLOPE, LOST
+from drystone.common.tolerances import FULLY_SOFTENED, LAST_DIGIT, LAST_DIGITS, LEAST_SLOPE
 from drystone.law.columns import (
     BY_CRUSHING,
     BY_OPENING,
@@ -50,17 +50,17 @@ def _pressed(law, crushed, y):
     kn, strength, rate = law[KN], law[CRUSHES], law[BY_CRUSHING]
     p = -kn * y
     at = crushed
-    if not p > strength * np.exp(-min(rate * crushed, LOST)):
+    if not p > strength * np.exp(-min(rate * crushed, FULLY_SOFTENED)):
         return p, -kn, crushed
     for _ in range(60):  # convex and falling, from below
-        carried = strength * np.exp(-min(rate * at, LOST))
-        slope = rate * carried if rate * at < LOST else 0.0
+        carried = strength * np.exp(-min(rate * at, FULLY_SOFTENED))
+        slope = rate * carried if rate * at < FULLY_SOFTENED else 0.0
         more = (-kn * (y + at - crushed) - carried) / max(kn - slope, LEAST_SLOPE * kn)
         at += more
         if abs(more) <= LAST_DIGIT * (abs(y) + at):
             break
-    carried = strength * np.exp(-min(rate * at, LOST))
-    slope = rate * carried if rate * at < LOST else 0.0
+    carried = strength * np.exp(-min(rate * at, FULLY_SOFTENED))
+    slope = rate * carried if rate * at < FULLY_SOFTENED else 0.0
     return carried, slope * kn / max(kn - slope, LEAST_SLOPE * kn), at
 
 

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
-from drystone.common.tolerances import LAST_DIGIT, LOST, NEARLY_SHUT, STRAIGHT_CLOSURE
+from drystone.common.tolerances import FULLY_SOFTENED, LAST_DIGIT, NEARLY_SHUT, STRAIGHT_CLOSURE
 from drystone.contact.contacts import (
     CRUSH,
     FRICTION,
@@ -95,7 +95,7 @@ class Strengths:
         self.smooth = not np.isfinite([self.closure, self.log_closure]).any()
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
-        #: (n_laws, N_LAW), see `law.return_map`.
+        #: (n_laws, N_LAW), see `law.columns`.
         self.table = law_table(assembly)
         #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no
         #: joint is crushed.
@@ -120,7 +120,7 @@ class Strengths:
         )
 
     def current(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """Parameters of contacts (n_slots, N_CURRENT), see `contacts`, in the state ``now``."""
+        """Parameters of contacts in the state ``now``, (n_slots, N_CURRENT); `contact.contacts`."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
@@ -132,7 +132,7 @@ class Strengths:
         current[:, STIFF_N], current[:, FRICTION], current[:, PULL] = kn, mu, pull
         current[:, SHIFT] = pull + np.where(pulls & whole, kn * now.opened, 0.0)
         current[:, INTERCEPT] = np.maximum(self.cohesion[law] * left - mu * pull, 0.0)
-        crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, LOST))
+        crush = np.exp(-np.minimum(self.by_crushing[law] * now.crushed, FULLY_SOFTENED))
         current[:, CRUSH] = self.crush[law] * crush + pull
         for length, carried in ((self.closure, _hyperbolic), (self.log_closure, _logarithmic)):
             curved = np.isfinite(length[law])
@@ -231,7 +231,7 @@ class Strengths:
     def write(self, law: IntArray, now: Reached, history: Array) -> None:
         """Write the state of softening of contacts into their history."""
         history[:, SOFTENED], history[:, OPENED] = now.softened, now.opened
-        history[self.bonded[law] & (now.softened > LOST), BROKEN] = 1.0
+        history[self.bonded[law] & (now.softened > FULLY_SOFTENED), BROKEN] = 1.0
 
 
 def difference(current: Array, other: Array, reaction: Array, area: Array) -> float:

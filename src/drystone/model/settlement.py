@@ -23,7 +23,7 @@ from drystone.model.assembly import Assembly
 
 
 class Scale(Protocol):
-    """What takes a drawing to other coordinates and units; see `frame`."""
+    """What takes a drawing to other coordinates and units; see `engines.frame`."""
 
     def place(self, points: Array) -> Array:
         """Points (..., dim) [m]."""

@@ -28,7 +28,7 @@ STATES = ("slack", "elastic", "yielding", "broken")
 #: The end of a tie that is on no block, as files name it.
 GROUND = "ground"
 
-#: Share of the strength or of the breaking elongation that counts as being there.
+#: Share of the breaking elongation within which a tie counts as broken.
 AT_IT = 3e-3
 
 #: Over a block's size: how far from it an end may lie.
@@ -36,7 +36,7 @@ SAME = 1e-6
 
 
 class Scale(Protocol):
-    """What takes a drawing to other coordinates and units; see `frame`."""
+    """What takes a drawing to other coordinates and units; see `engines.frame`."""
 
     def place(self, points: Array) -> Array:
         """Points (..., dim) [m]."""

@@ -28,8 +28,8 @@ from drystone.model.ties import BROKEN, YIELDING, Tie, TieState, names_of
 from drystone.results.curve import STATIC, BlockLeft, CurvePoint, TieRecord
 from drystone.results.events import Event, EventKind, Outcome
 
-#: Share of a block's smallest extent up to which a jump is no event.  The shortest step that
-#: engines prefer is as long, so that a curve does not tell such a jump from a step.
+#: Share of a block's smallest extent up to which a jump is no event.  The steps of
+#: `equilibrium` are as long or longer, so that a curve does not tell such a jump from a step.
 SNAP = 0.02
 
 Contacts = Callable[[], ContactForces]

@@ -1,4 +1,4 @@
-"""The equations of a static step: what they are written with, and what they are solved to.
+"""Loads, ties and tolerances that the static steps of one stage share.
 
 They are made anew when blocks have left, when a stage of the dead loads begins, and when other
 pairs are near.  Between, all steps use them.

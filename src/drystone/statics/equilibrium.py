@@ -1,11 +1,13 @@
-"""Static equilibrium, followed change by change of the contacts, the multiplier an unknown.
+"""Static equilibrium with the multiplier as an unknown.
 
 The unknowns of a step are the increments x of the poses and the multiplier.  They solve
 
     R(x, lambda) = 0,    c(x) = Delta
 
 with the unbalanced forces R of `statics.static_step`, evaluated where the step ends, and c the
-prescribed displacement; `statics.plane.piecewise` says how.  The time step in R is so long that
+prescribed displacement.  In the plane the changes of contacts are followed first
+(`statics.plane.piecewise`); otherwise, and in space, an interior-point method finds them
+(`statics.interior`).  The time step in R is so long that
 inertia only regularises the matrix where blocks are loose.  With a short time step, a step says
 where inertia takes blocks that have no equilibrium nearby.
 """

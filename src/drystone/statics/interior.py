@@ -30,7 +30,7 @@ from drystone.statics.static_step import StaticStep
 
 @dataclass(frozen=True, kw_only=True)
 class InteriorSettings:
-    """Numbers of the iterations; others, which nobody has had to change, are in the register.
+    """Settings of the interior-point method; its other constants are in `common.tolerances`.
 
     Energies are those of one contact, over the energy that the weight of a mean block stores in a
     contact.  Forces are over that weight.

@@ -64,8 +64,8 @@ from drystone.statics.tie_forces import JoinedTies
 
 Number = TypeVar("Number", np.float64, np.int64)
 
-#: Contacts from which on threads gain, whose waking takes some 0.1 ms, when they share the
-#: stiffness; and what takes a few times ten nanoseconds each.
+#: Least number of contacts for which threads pay off: for the stiffness, and for operations that
+#: take some ten nanoseconds a contact.  Waking a thread takes some 0.1 ms.
 MANY, MANY_OF_LITTLE = 4000, 20000
 
 
@@ -193,8 +193,8 @@ class StaticStep(ABC):
         """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
 
         ``guess`` (n, n_dof) is the predicted end.  ``current`` (n_slots, N_CURRENT) are the
-        parameters of joints that yield, see `contacts`; ``fresh`` (n_slots, N_CURRENT) those of
-        contacts that are made in the step.
+        parameters of joints that yield, see `contact.contacts`; ``fresh`` (n_slots, N_CURRENT)
+        those of contacts that are made in the step.
         """
         self.begun = pose, slots, history, branch, h, prescribed, guess, current, fresh
         self.pose, self.inertia_factor, self.prescribed = pose, 1.0 / h**2, prescribed

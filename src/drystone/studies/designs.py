@@ -17,7 +17,6 @@ from drystone.common.arrays import Array
 from drystone.studies.distributions import Continuous, Law
 from drystone.studies.errors import StudyError, needed
 
-DESIGNS = ("grid", "lhs", "sobol", "random", "saltelli", "morris")
 #: Designs of which the first samples stay what they are when more are asked for.
 GROWING = ("sobol", "random")
 #: Values of a parameter of a grid that does not say how many.

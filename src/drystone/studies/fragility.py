@@ -53,7 +53,7 @@ def of_stripes(intensity: Array, exceeded: BoolArray) -> dict[str, Any]:
         (n,) whether the limit state was exceeded in it.
     """
     from scipy.optimize import minimize
-    from scipy.special import log_ndtr
+    from scipy.special import log_ndtr, ndtri
 
     levels, row = np.unique(intensity, return_inverse=True)
     tried = np.bincount(row).astype(float)
@@ -73,7 +73,7 @@ def of_stripes(intensity: Array, exceeded: BoolArray) -> dict[str, Any]:
     if not np.isfinite(found.x).all() or not -8.0 < found.x[1] < 4.0:
         raise StudyError(["the stripes leave beta open: take intensities closer to the median"])
     sigma = np.sqrt(np.diag(np.linalg.inv(_hessian(unlikely, found.x))))
-    z = 1.959963984540054  # of `LEVEL`
+    z = float(ndtri(0.5 + 0.5 * LEVEL))
     mean, log_beta = map(float, found.x)
     return {
         **_fit(

@@ -171,8 +171,8 @@ def _nearly_as_opposed(first, end, tangent, edge, found):
 
 
 @njit(cache=True, error_model="numpy")
-def _overlap(length, setback, vertex, tangent, ea, eb, a1, b1):
-    """Half of what faces itself of the edges ``ea`` and ``eb``, which end at a1 and b1 [m]."""
+def _overlap(length, setback, vertex, tangent, ea, eb, b1):
+    """Half of what faces itself of the edges ``ea`` and ``eb``, of which that ends at b1 [m]."""
     start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
     end = min(_along(vertex, tangent, ea, eb) + setback[eb, 0], length[ea] + setback[ea, 1])
     return max(0.5 * (end - start), LEAST_FACE * min(length[ea], length[eb]))
@@ -245,7 +245,7 @@ def _interface(
     s1 = _along(vertex, tangent, ea, b1)
     s0 = _along(vertex, tangent, ea, b0)
     length_a = length[ea]
-    tributary = _overlap(length, setback, vertex, tangent, ea, eb, a1, b1)
+    tributary = _overlap(length, setback, vertex, tangent, ea, eb, b1)
     if reference_is_a:
         beside, share = _nearly_as_opposed(offset[q], offset[q + 1], tangent, ea, eb)
         pa, pb = ea, beside
@@ -253,7 +253,7 @@ def _interface(
         beside, share = _nearly_as_opposed(offset[p], offset[p + 1], tangent, eb, ea)
         pa, pb = beside, eb
     if share > 0.0:
-        other = _overlap(length, setback, vertex, tangent, pa, pb, following[pa], following[pb])
+        other = _overlap(length, setback, vertex, tangent, pa, pb, following[pb])
         tributary += share * (other - tributary)
     for slot in range(k, k + points):
         value[slot, SIZE], value[slot, INSIDE] = tributary, 0.0

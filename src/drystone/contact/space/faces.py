@@ -72,7 +72,7 @@ def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
     n_vertices, n_edges = scene.local.shape[0], scene.edge.shape[0]
     for i in range(count):
         on_p, on_q = _features(
-            scene.ring, scene.corner, face_p, face_q, name, i, n, m, n_vertices, n_edges
+            scene.ring, scene.corner, face_p, face_q, name, i, m, n_vertices, n_edges
         )
         on_a, on_b = (on_p, on_q) if p_is_a else (on_q, on_p)
         name[i, KEPT], k = 0, 0
@@ -160,7 +160,7 @@ def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
 
 
 @njit(cache=True)
-def _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges):
+def _features(ring, corner, face_p, face_q, mark, i, m, n_vertices, n_edges):
     """Features of point i on the reference body and on the incident one; see the module."""
     faces = n_vertices + n_edges
     between = faces + ring.shape[0] - 1
@@ -199,7 +199,7 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
         type_ = mark[i, TYPE]
         swapped = type_ == VERTEX_P
         carrier = face_q if swapped else face_p
-        on_p, on_q = _features(ring, corner, face_p, face_q, mark, i, n, m, n_vertices, n_edges)
+        on_p, on_q = _features(ring, corner, face_p, face_q, mark, i, m, n_vertices, n_edges)
         which[k, KIND] = VERTEX_B if p_is_a != swapped else VERTEX_A
         which[k, FEATURE_A], which[k, FEATURE_B] = (on_p, on_q) if p_is_a else (on_q, on_p)
         which[k, EDGE_A], which[k, EDGE_B] = (face_p, face_q) if p_is_a else (face_q, face_p)

@@ -239,21 +239,20 @@ class DistinctEngine(Engine[DistinctState]):
         bounds = Bounds(farthest=self.settings.max_motion * state.prepared.span, may_lose=True)
         work = Workspace(self.settings, begin, real_masses=True, bounds=bounds)
         cycles, most = demand.time_step / work.dt, self.settings.max_cycles
-        n = max(round(min(cycles, most)), 2)
-        if cycles <= most:
-            try:
-                run(work, n // 2)
-                work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
-                n -= n // 2
-                run(work, n)
-            except RunAwayError as error:
-                return state, failed(str(error), work)
         if not FEWEST_CYCLES <= cycles <= most:
             return state, failed(
                 f"a time step of {demand.time_step:.1e} s is {cycles:.1e} cycles of the distinct "
                 f"engine, which takes from 2 to {most} at a time: choose another time_step",
                 work,
             )
+        n = round(cycles)
+        try:
+            run(work, n // 2)
+            work.motion.mean[:], work.motion.opposed[:] = 0.0, 0.0
+            n -= n // 2
+            run(work, n)
+        except RunAwayError as error:
+            return state, failed(str(error), work)
         if np.array_equal(work.searched, work.motion.pose):
             work.cycle_once()  # contacts just found anew have no reactions yet
             n += 1

@@ -16,7 +16,7 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.tolerances import (
     FAR_ENOUGH,
-    FIRST_BARRIER,
+    FIRST_BARRIER_OF_IMPULSES,
     LEAST_AIM,
     LEAST_ITERATION,
     LOW_BARRIER,
@@ -64,7 +64,7 @@ class Interior:
         """Begin at a velocity (n, n_dof), with impulses of the ``usual`` size [N s]."""
         self.velocity = velocity.copy()
         stiffness = self.h * self.h * float(self.problem.contacts.table[:, STIFF_N].mean())
-        self.first = self.energy = FIRST_BARRIER * usual * usual / stiffness
+        self.first = self.energy = FIRST_BARRIER_OF_IMPULSES * usual * usual / stiffness
         self._renew()
         kernels.centre_contacts(self.joint, self.energy, True, self.trial, self.inner)
 

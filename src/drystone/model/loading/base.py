@@ -17,7 +17,7 @@ from drystone.model.loading.dead_forces import DeadForces
 
 
 class Scale(Protocol):
-    """What takes points and forces of a drawing to other coordinates and units; see `frame`."""
+    """What takes points and forces to other coordinates and units; see `engines.frame`."""
 
     def place(self, points: Array) -> Array:
         """Points (..., dim) [m]."""

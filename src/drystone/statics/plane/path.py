@@ -51,7 +51,7 @@ from drystone.statics.plane.contacts import (
 #: How a path ends: at its target; at a fold before it; at a change after which the matrix must be
 #: factorised anew; after too many changes; where the matrix is singular.  Or it waits for its
 #: matrix to be factorised.
-DONE, FOLDED, RENEW, LOST, SINGULAR, WAITS = 0, 1, 2, 3, 4, 5
+DONE, FOLDED, RENEW, EXHAUSTED, SINGULAR, WAITS = 0, 1, 2, 3, 4, 5
 
 
 class Way(NamedTuple):
@@ -360,7 +360,7 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         arrives = ahead > 0.0 and nearest >= 1.0
         length = 1.0 if arrives else nearest
         if not np.isfinite(length):
-            end = LOST
+            end = EXHAUSTED
             break
         passes = ahead > 0.0 and left * (1.0 - length) <= turned
         if passes:
@@ -397,7 +397,7 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         if not whole:
             commit(table, chosen, before)
         if changes > rules.patience or since > rules.idle:
-            end = LOST
+            end = EXHAUSTED
             break
         pivot = _add_change(
             structure, factors, bordered, way, prescribes, contacts, chosen, before, following, new

@@ -33,7 +33,7 @@ MANY_CHANGES = "too many contacts change"
 
 _ENDS = {
     path.FOLDED: TURNS_BACK,
-    path.LOST: MANY_CHANGES,
+    path.EXHAUSTED: MANY_CHANGES,
     path.SINGULAR: "a part of the structure is free to move",
 }
 

@@ -198,7 +198,7 @@ class PlaneStep(StaticStep):
                 )
         if np.isfinite(progress[path.TURNED]):
             self.way.fold[:] = 1.0 - progress[path.TURNED], progress[path.TOP], np.nan
-        elif end == path.LOST and not whole and progress[path.SINCE] > idle:
+        elif end == path.EXHAUSTED and not whole and progress[path.SINCE] > idle:
             came = 1.0 - progress[path.LEFT]
             if came > FOLD_KNOWN:
                 self.way.fold[:] = came, progress[path.MULTIPLIER], np.nan

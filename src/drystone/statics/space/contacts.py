@@ -189,7 +189,7 @@ def twists(motion, axes, twist):
 
 
 @njit(cache=True, nogil=True)
-def wrenches(which, start, now, first, low, high, reaction, wrench):
+def wrenches(start, now, first, low, high, reaction, wrench):
     """What the contacts of each pair do to its bodies, (n_pairs, 2, 6), in axes of the world."""
     for p in range(low, high):
         # Forces on b and moments on both, of which a gets the force reversed.

@@ -114,7 +114,7 @@ class SpaceStep(StaticStep):
         )  # fmt: skip
 
     def _sum_forces(self, reaction: Array) -> None:
-        at = self.which, self.start, self.now, self.first
+        at = self.start, self.now, self.first
         self._by_pairs(lambda low, high: contacts.wrenches(*at, low, high, reaction, self.wrench))
         contacts.sum_wrenches(
             self.begin_of, self.of_body, self.wrench, self.axes, self.contact_force
