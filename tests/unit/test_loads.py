@@ -132,6 +132,7 @@ class TestFiles:
             ([], dead(kind="force", block="high", force=[0, -1.0]), "mass is missing"),
             ([], dead(kind="force", block="hig", force=[0, -1], mass=True), "dead_load[1].bl"),
             ([], dead(kind="force", force=[0, -1.0], mass=True), "neither block nor group"),
+            ([], dead(kind="force", block="high", force=[0, 9.0], mass=True), "acts upwards"),
             ([], dead(kind="force", block="ground", force=[0, -1.0], mass=True), "is a support"),
             ([], dead(kind="force", block="low", mass=True), "force is missing"),
             ([], dead(kind="force", block="low", force=[0, -1.0, 0], mass=True), "must have 2"),

@@ -128,6 +128,35 @@ def test_every_method_gives_an_answer_or_says_why_not(structure, method):
             assert state.satisfied is None or state.satisfied is bool(index >= 1.0)
 
 
+def test_a_wall_that_leans_on_another_is_activated_where_it_begins_to_rock():
+    """b/h = 0.125 alone; the highest multiplier, 0.217, follows when it has met the second wall."""
+
+    def wall(name, left, right):
+        corners = [(left, 0.0), (right, 0.0), (right, 4.0), (left, 4.0)]
+        return ds.Block(id=name, vertices=np.array(corners), unit_weight=18e3)
+
+    ground = [(-2.0, -0.5), (2.0, -0.5), (2.0, 0.0), (-2.0, 0.0)]
+    model = ds.make_model(
+        [
+            ds.Block(id="ground", vertices=np.array(ground), unit_weight=18e3, support=True),
+            wall("b", 0.0, 0.5),
+            wall("c", 0.7, 1.7),
+        ],
+        joint=ds.JointLaw(friction_coefficient=2.0, normal_stiffness=1e12, shear_stiffness=1e12),
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        control_block="b",
+        control_point=(0.5, 4.0),
+    )
+    curve = ds.pushover(model)
+    assert curve.peak.load_multiplier > 0.21
+    verdict = curve.assess(model, site=SITE, method="ntc2018-local", confidence_factor=1.35)
+    found = verdict.as_dict()
+    assert found["activation_multiplier"] == pytest.approx(0.125, rel=1e-3)
+    told = " ".join(map(str, verdict.capacity.notes))
+    assert "from which it falls by more than a fifth" in told
+
+
 def test_what_a_method_needs_is_asked_for():
     curve, model = wall_1()
     for method, needed in METHODS.items():

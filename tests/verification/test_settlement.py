@@ -322,3 +322,40 @@ def test_a_portal_leaves_its_unstable_equilibrium_and_slips_before_it_falls(
     early = [point for point in curve.points if point.control_displacement < 0.9]
     slips = any(point.status == "dynamic" for point in early)  # at 0.76 m
     assert slips or stiffness == 1e8  # soft joints slip by and by
+
+
+class TestTieToTheGround:
+    """A table is drawn from under a block that a tie holds back: friction is all it takes."""
+
+    FRICTION, WEIGHT = 0.6, UNIT_WEIGHT * 0.4 * 1.0 * THICKNESS
+
+    def drawn(self, *others):
+        return ds.make_model(
+            [
+                block("table", [(-1, -0.3), (2, -0.3), (2, 0), (-1, 0)], support=True),
+                block("b", [(0, 0), (0.4, 0), (0.4, 1), (0, 1)]),
+                *others,
+            ],
+            joint=joint(self.FRICTION),
+            thickness=THICKNESS,
+            settlement=ds.Settlement(blocks=("table",), direction=RIGHT, max=0.02),
+            ties=[
+                ds.Tie(
+                    start=ds.TieEnd(point=np.array([-1.0, 0.05])),
+                    end=ds.TieEnd(block="b", point=np.array([0.0, 0.05])),
+                    stiffness=1e8,
+                    yield_force=1e6,
+                    compression=True,
+                )
+            ],
+        )
+
+    @pytest.mark.parametrize("engine", ["equilibrium", "nscd"])
+    def test_holds_while_the_lowest_support_moves(self, engine):
+        still = block("still", [(-2, 0), (-1.5, 0), (-1.5, 0.5), (-2, 0.5)], support=True)
+        curve = ds.pushover(self.drawn(still), engine=engine)
+        assert curve.reaction[-1] == pytest.approx(-self.FRICTION * self.WEIGHT, rel=1e-3)
+
+    def test_asks_for_a_support_that_stays(self):
+        with pytest.raises(ds.ModelError, match="needs a support that stays"):
+            self.drawn()

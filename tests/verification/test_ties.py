@@ -45,12 +45,15 @@ def model_of(ties, *others, **more):
 
 
 def tie(**more):
-    given = {"stiffness": STIFFNESS, "yield_force": STRENGTH, "compression": False, "name": "t"}
-    return ds.Tie(
-        start=ds.TieEnd(point=np.array(ANCHOR)),
-        end=ds.TieEnd(block="b", point=np.array(WALL)),
-        **{**given, **more},
-    )
+    given = {
+        "start": ds.TieEnd(point=np.array(ANCHOR)),
+        "end": ds.TieEnd(block="b", point=np.array(WALL)),
+        "stiffness": STIFFNESS,
+        "yield_force": STRENGTH,
+        "compression": False,
+        "name": "t",
+    }
+    return ds.Tie(**{**given, **more})
 
 
 def place(model, block, point, pose):
@@ -348,3 +351,16 @@ def test_what_no_file_can_say(keys, sentence, tmp_path):
     (tmp_path / "m.toml").write_text(FILE + keys)
     with pytest.raises(ds.ModelError, match=sentence):
         ds.read_model(tmp_path / "m.toml")
+
+
+def test_a_movable_block_is_not_called_ground():
+    """Its ties would have held to what does not move."""
+    held = tie(end=ds.TieEnd(block="ground", point=np.array(WALL)))
+    with pytest.raises(ds.ModelError, match="give the block another name"):
+        ds.make_model(
+            [box("base", -1.0, 6.0, 0.5, -0.5, support=True), box("ground", 0.0)],
+            joint=ds.JointLaw(friction_coefficient=5.0, normal_stiffness=1e9, shear_stiffness=1e9),
+            thickness=THICKNESS,
+            load_direction=[1.0, 0.0],
+            ties=[held],
+        )

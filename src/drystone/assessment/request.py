@@ -16,6 +16,7 @@ from drystone.assessment.site import MotionAsked, motions_asked, spectra_of_site
 from drystone.common.keys import ByState, Key, Number
 from drystone.common.registry import RegistryError
 from drystone.model.assembly import GRAVITY
+from drystone.model.model import Model
 from drystone.model.site import AssessmentInput, Site
 
 #: Keys of [assessment] that are not for methods.
@@ -53,6 +54,12 @@ def request_of(site: Site | None, assessment: AssessmentInput | None) -> Request
         grouping=values.get("grouping", "macro_blocks"),
         hazard=() if site is None else motions_asked(site, METHODS[settings.method].STATES),
     )
+
+
+def check_load(model: Model) -> None:
+    """Raise that a model has no load to assess: `AssessmentError`."""
+    if model.settlement is not None:
+        raise AssessmentError("the curve is one of supports that move: give a [load] to assess")
 
 
 def check_request(request: Request) -> None:

@@ -11,7 +11,7 @@ from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism import Reduction, reduced
 from drystone.assessment.methods import METHODS, Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
-from drystone.assessment.request import Request, request_of, settings_of
+from drystone.assessment.request import Request, check_load, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
 from drystone.common.language import Saying, said_end, say
 from drystone.model.model import Model
@@ -117,8 +117,7 @@ def assessed(
     AssessmentError
         See `verdict_on`.
     """
-    if model.settlement is not None:
-        raise AssessmentError("the curve is one of supports that move: give a [load] to assess")
+    check_load(model)
     asked = model.assessment or AssessmentInput()
     asked = replace(asked, values={**asked.values, **options})
     if settings is not None and options:

@@ -156,11 +156,19 @@ def assess(
             quiet=quiet or as_json,
             as_json=as_json,
         )
-        senses = traced(ask, lambda model: with_tables(model, overlay, model_file))
+        senses = traced(ask, lambda model: _loaded(with_tables(model, overlay, model_file)))
         formats = tuple(picture.value for picture in figures or ())
         with speaking(language_of(senses[0].model)):
             _conclude(senses, formats, as_json=as_json)
     raise typer.Exit(DONE)
+
+
+def _loaded(model: Model) -> Model:
+    """The model, if it has a load; raises `AssessmentError`."""
+    from drystone.assessment.request import check_load
+
+    check_load(model)
+    return model
 
 
 def with_tables(model: Model, overlay: Mapping[str, Any], model_file: Path | None) -> Model:

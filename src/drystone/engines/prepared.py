@@ -42,11 +42,12 @@ class Prepared(Derived):
             laws = law_table(assembly, shear=shear)
         except ValueError as error:
             raise EngineError(f"{error}: the {engine.name} engine cannot do without") from None
+        moving = problem.settlement.rows(assembly) if problem.settlement else None
         return cls(
             problem=problem,
             detector=Detector(assembly),
             laws=laws,
-            bars=Bars.of(assembly, problem.ties),
+            bars=Bars.of(assembly, problem.ties, moving),
         )
 
     @property

@@ -153,7 +153,7 @@ def doubts(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray)
     """Sentences on what is hardly meant; ``p`` and ``q`` are parts that lie near each other."""
     assembly = model.assembly
     return [
-        *_floating(assembly, packed, p, q),
+        *_floating(model, packed, p, q),
         *_missed(assembly),
         *_unit_doubts(assembly),
         *_law_doubts(assembly),
@@ -209,12 +209,15 @@ def _connected(n: int, a: IntArray, b: IntArray) -> IntArray:
             return lowest
 
 
-def _floating(
-    assembly: Assembly, packed: Outlines | Polyhedra, p: IntArray, q: IntArray
-) -> list[str]:
-    """Blocks that no chain of touching blocks connects to a support, supports that bear nothing."""
-    touching = packed.touching(p, q)
-    a, b = packed.body[p[touching]], packed.body[q[touching]]
+def _floating(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray) -> list[str]:
+    """Blocks that no chain of touching or tied blocks connects to a support, supports that bear
+    nothing."""
+    assembly, touching = model.assembly, packed.touching(p, q)
+    moving = model.settlement.rows(assembly) if model.settlement else None
+    tied = [[end.row(assembly, moving) for end in (t.start, t.end)] for t in model.ties]
+    ends = np.array(tied, np.int64).reshape(-1, 2)
+    a = np.concatenate((packed.body[p[touching]], ends[:, 0]))
+    b = np.concatenate((packed.body[q[touching]], ends[:, 1]))
     n = assembly.n_bodies
     group = _connected(n, a, b)
     borne = np.isin(group, group[assembly.fixed])

@@ -62,11 +62,15 @@ class TieEnd:
     point: Array  # (dim,) m
     block: str | None = None  # None: the ground, which does not move
 
-    def row(self, assembly: Assembly) -> int:
-        """Of its block; of a support where it is on the ground."""
-        if self.block is None:
-            return int(np.flatnonzero(assembly.fixed)[0])
-        return assembly.index(self.block)
+    def row(self, assembly: Assembly, moving: IntArray | None = None) -> int:
+        """Of its block; where it is on the ground, of a support that is not among the ``moving``
+        ones."""
+        if self.block is not None:
+            return assembly.index(self.block)
+        still = assembly.fixed.copy()
+        if moving is not None:
+            still[moving] = False
+        return int(np.argmax(still))
 
     def problem(self, assembly: Assembly) -> str | None:
         """What keeps it from being there, as the end of a sentence."""
@@ -76,6 +80,9 @@ class TieEnd:
         if self.block is None:
             if not assembly.fixed.any():
                 return "block: there is no ground without a support: name a block"
+            named = [block for block in assembly.blocks if block.id == GROUND]
+            if named and not named[0].support:
+                return f'block: "{GROUND}" is what does not move: give the block another name'
             return None
         if self.block not in assembly.ids:
             return f"block: {there_is_no('block', self.block, assembly.ids)}"
@@ -240,9 +247,17 @@ def names_of(ties: Sequence[Tie]) -> tuple[str, ...]:
     return tuple(tie.name or f"{kinds[k]} {k + 1}" for k, tie in enumerate(ties))
 
 
-def problems_of(ties: Sequence[Tie], assembly: Assembly) -> list[str]:
-    """What keeps ties from acting on an assembly."""
+def problems_of(
+    ties: Sequence[Tie], assembly: Assembly, moving: IntArray | None = None
+) -> list[str]:
+    """What keeps ties from acting on an assembly, of which the supports ``moving`` will move."""
     found = [sentence for tie in ties for sentence in tie.problems(assembly)]
+    if moving is not None and not np.delete(assembly.fixed, moving).any():
+        found += [
+            f"{tie.place}: its end on the ground needs a support that stays: add one"
+            for tie in ties
+            if None in (tie.start.block, tie.end.block)
+        ]
     names = names_of(ties)
     found += [
         f'{tie.place}: there are two of the name "{name}": give each its own'
@@ -276,11 +291,11 @@ class Bars:
     value: Array  # (n_ties, N_VALUE)
 
     @classmethod
-    def of(cls, assembly: Assembly, ties: Sequence[Tie]) -> Bars:
-        """Of ties without problems."""
+    def of(cls, assembly: Assembly, ties: Sequence[Tie], moving: IntArray | None = None) -> Bars:
+        """Of ties without problems; see `TieEnd.row`."""
         dim = assembly.dimension
         value = np.zeros((len(ties), kernel.N_VALUE))
-        ends = [(tie.start.row(assembly), tie.end.row(assembly)) for tie in ties]
+        ends = [[end.row(assembly, moving) for end in (tie.start, tie.end)] for tie in ties]
         body = np.array(ends, np.int64).reshape(-1, 2)
         for row, tie, (a, b) in zip(value, ties, ends, strict=True):
             first, last = (np.asarray(end.point, float) for end in (tie.start, tie.end))

@@ -110,8 +110,11 @@ class Drawn:
         ties, linear = mechanism.ties, shapes.linear
         ends = np.array([[end.point for end in (t.start, t.end)] for t in ties], float)
         ends = ends.reshape(-1, assembly.dimension)
-        owner = [end.row(assembly) for t in ties for end in (t.start, t.end)]
-        moved = moved_points(ends, np.array(owner, np.int64), shapes.centroid, pose, linear=linear)
+        both = [end for t in ties for end in (t.start, t.end)]
+        owner = np.array([end.row(assembly) for end in both], np.int64)
+        moved = moved_points(ends, owner, shapes.centroid, pose, linear=linear)
+        on_ground = np.array([end.block is None for end in both], np.bool_)
+        moved[on_ground] = ends[on_ground]
         loads = mechanism.dead_loads
         _, arrows = dead_arrows(assembly, loads, pose, present=~departed, linear=linear)
         return cls(

@@ -25,6 +25,9 @@ from drystone.results.curve import FINISHED, PASSED, STATIC, CapacityCurve
 
 #: Points over which a tangent is taken: single increments may be of a size with their errors.
 POINTS = 6
+#: Share of a peak down to which the multiplier falls where its mechanism has formed: a strength is
+#: exhausted by convention where a fifth of it is lost (EC8-3, NTC 2018 7.8.2.2).
+FORMED = 0.8
 #: Points after the peak that the initial mechanism is read from at least, where there are as many.
 FEWEST = 3
 #: Share of the peak up to which displacements are those of joints that are closed.
@@ -270,9 +273,27 @@ def _present(curve: CapacityCurve, model: Model, row: int) -> BoolArray:
     return ~(model.assembly.fixed | departed)
 
 
+def activation_row(curve: CapacityCurve) -> int:
+    """The peak at which the first mechanism forms, by its row.
+
+    It is the curve's peak, or one before it from which the multiplier falls to `FORMED` of it, as
+    where a wall rocks before it leans on another one.
+    """
+    top = 0
+    for row, point in enumerate(curve.points):
+        if point.status != STATIC:
+            continue
+        highest = curve.points[top].load_multiplier
+        if point.load_multiplier > highest:
+            top = row
+        elif highest > 0.0 and point.load_multiplier < FORMED * highest:
+            break
+    return top
+
+
 def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
     """Two rows between which the mechanism is read, and how to say so."""
-    top = curve.points.index(curve.peak)
+    top = activation_row(curve)
     x = curve.load_multiplier
     run = next(_branches(curve, top), None)
     if run:
@@ -354,7 +375,7 @@ def _spread(curve: CapacityCurve) -> list[int]:
     d = curve.control_displacement[rows]
     wanted = np.linspace(d.min(), d.max(), MOST)
     chosen = {rows[int(np.argmin(np.abs(d - place)))] for place in wanted}
-    return sorted(chosen | {curve.points.index(curve.peak), rows[-1]})
+    return sorted(chosen | {activation_row(curve), rows[-1]})
 
 
 def _poses(curve: CapacityCurve) -> Array:

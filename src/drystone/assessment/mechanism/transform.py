@@ -11,7 +11,13 @@ from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
 from drystone.assessment.mechanism.overturning import stands_on_its_axis
-from drystone.assessment.mechanism.shapes import Course, MechanismShape, course_of, initial_shape
+from drystone.assessment.mechanism.shapes import (
+    Course,
+    MechanismShape,
+    activation_row,
+    course_of,
+    initial_shape,
+)
 from drystone.assessment.mechanism.sliding import share_of_friction
 from drystone.common.language import Saying, said_end, say
 from drystone.model.loading.base import masses_of
@@ -97,6 +103,10 @@ def reduced(
     part = shape.bodies if grouping == "macro_blocks" else shape.blocks
     share, said = pattern_share(model, shape)
     envelope = _known_collapse(envelope, curve, model)
+    first, highest = curve.points[activation_row(curve)], curve.peak
+    if first is not highest:
+        known = {"first": first.load_multiplier, "place": first.control_displacement}
+        said = (*said, say("mechanism.first_peak", peak=highest.load_multiplier, **known))
     collapse = filter(None, [envelope.collapse_note])
     notes = (*_notes(curve, model, shape, grouping), *said, *envelope.notes, *collapse)
     capacity = Capacity.of(
@@ -104,7 +114,7 @@ def reduced(
         share * envelope.load_multiplier,
         part,
         reading="base_shear",
-        activation_multiplier=share * curve.peak.load_multiplier,
+        activation_multiplier=share * first.load_multiplier,
         collapse_displacement=envelope.collapse_displacement,
         collapse_extrapolated=envelope.collapse_extrapolated,
         notes=notes,

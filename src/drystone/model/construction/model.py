@@ -31,7 +31,7 @@ from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted, straighte
 from drystone.model.history import History
 from drystone.model.joint_law import JointLaw
 from drystone.model.loading import DeadLoad, LoadPattern, MassPattern, NoPattern
-from drystone.model.loading.base import Directed
+from drystone.model.loading.base import Directed, rises
 from drystone.model.model import Analysis, Model, Origin
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
@@ -140,12 +140,13 @@ def make_model(
     problems = layout_problems(assembly, place) + pattern.problems(assembly)
     for k, one in enumerate(dead_loads):
         named = f' "{one.name}"' if one.name else ""
-        problems += one.problems(assembly, f"dead_load[{k + 1}]{named}")
-    problems += problems_of(ties, assembly)
-    if settlement is not None:
-        problems += settlement.problems(assembly)
-        if not isinstance(pattern, NoPattern):
-            problems.append("settlement: stands in place of [load]: take one of the two out")
+        at = f"dead_load[{k + 1}]{named}"
+        problems += one.problems(assembly, at) or rises(one, assembly, at)
+    wrong = settlement.problems(assembly) if settlement is not None else []
+    moving = settlement.rows(assembly) if settlement is not None and not wrong else None
+    problems += problems_of(ties, assembly, moving) + wrong
+    if settlement is not None and not isinstance(pattern, NoPattern):
+        problems.append("settlement: stands in place of [load]: take one of the two out")
     problems += _unknown_parts(assembly, assessment)
     if history is not None:
         problems += history.problems(assembly)

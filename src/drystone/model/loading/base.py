@@ -11,6 +11,7 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.keys import Direction, Key
 from drystone.common.language import say
+from drystone.common.tolerances import ROUNDING
 from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
@@ -230,3 +231,14 @@ def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
     n, dim = sums.force.shape
     moment = np.zeros((n, dim)) if sums.lever is None else -(sums.lever @ assembly.up)
     return Masses(weight=-(sums.force @ assembly.up), moment=moment)
+
+
+def rises(load: DeadLoad, assembly: Assembly, place: str) -> list[str]:
+    """A sentence on a load that is called a mass, and acts upwards on a block."""
+    if not load.mass:
+        return []
+    upwards = load.forces(assembly).force @ assembly.up
+    if not (rows := np.flatnonzero(upwards > ROUNDING * np.abs(upwards).max(initial=0.0))).size:
+        return []
+    name = assembly.ids[rows[0]]
+    return [f'{place}.mass: the load on block "{name}" acts upwards: set mass = false']
