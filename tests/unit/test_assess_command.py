@@ -34,7 +34,7 @@ FLAGS = (
     *("--ag", "0.172", "--F0", "2.458", "--TC-star", "0.285", "--soil", "B"),
     *("--topography", "T1"),
 )
-SETTLES = """
+SINKING = """
 dimension = 2
 thickness = 1.0
 [material.stone]
@@ -684,7 +684,7 @@ def test_the_outward_curve_has_what_happened_up_to_each_point(cyclic):
 def test_supports_that_move_are_not_assessed(tmp_path):
     """It is said before anything is traced."""
     path = tmp_path / "model.toml"
-    path.write_text(SETTLES)
+    path.write_text(SINKING)
     done = CliRunner().invoke(app, ["assess", str(path), *FLAGS, "--out", str(tmp_path / "out")])
     assert done.exit_code == 2 and "give a [load] to assess" in done.output
     assert not (tmp_path / "out").exists()

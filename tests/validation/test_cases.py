@@ -48,6 +48,15 @@ def test_a_wall_without_friction_ends_at_once_and_says_why():
     assert curve.status == "stopped" and "carries nothing along the load" in curve.reason
 
 
+@pytest.mark.parametrize("block", ["b4", "b2"])
+def test_the_peak_does_not_depend_on_the_control_point(block):
+    """On top, where the control point jumps back as a bond breaks, it was 0.8001, 7 % too low."""
+    model = ds.read_model(CASES / "bonded_stack.toml").with_control(block=block)
+    peak = ds.pushover(model, max_displacement=0.1).peak.load_multiplier
+    # That of `distinct`, which pushes by forces; both miss up to 2e-4 of a peak.
+    assert peak == pytest.approx(0.85738, rel=5e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WALLS)
 def test_static_points_are_certified(name):

@@ -243,12 +243,16 @@ class DisplacementControl(Strategy[DisplacementState]):
         """The load grows on where the control point turns back before the peak.
 
         As soon as the control point is beyond the fold again, displacements are prescribed once
-        more; and where no smaller growth of the load finds an equilibrium near by, which is the
-        peak.
+        more; and where no smaller growth of the load finds an equilibrium, which is the peak.
+
+        Blocks may jump far if the control point moves back, as where a bond breaks: with the
+        control point held, the structure would fall below the load that it carries.  Far ahead of
+        the fold an equilibrium may be one that the structure only reaches by falling.
         """
         s = self.settings
-        near = report.motion <= s.displacement_step and not report.dynamic
-        if not (report.converged and near):
+        near = report.motion <= s.displacement_step
+        back = report.control_displacement <= state.loaded_from
+        if not report.converged or report.dynamic or not (near or back):
             less = 0.5 * state.load_increment
             if less < s.peak_share * self._scale(state):
                 state = self._in_motion(changed(state, load_increment=0.0))
@@ -269,7 +273,8 @@ class DisplacementControl(Strategy[DisplacementState]):
             next_load=more,
             stage=FOLLOWING,
         )
-        return self._decided(state, self._over(state, report), load_multiplier=multiplier)
+        over = end_of_curve(s, self._progress(state, report))
+        return self._decided(state, over, load_multiplier=multiplier, jumped=not near)
 
     def _scale(self, state: DisplacementState) -> float:
         """The multiplier that shares of the peak are of."""
