@@ -144,6 +144,32 @@ def test_convert_writes_no_model_that_is_refused(tmp_path):
     assert drystone("show", out, "--out", tmp_path / "out.png").exit_code == 0
 
 
+def test_a_block_drawn_twice_is_to_be_taken_out(tmp_path):
+    """No overlap closes it: each would lose half."""
+    solids = [("a", *box((0, 0, 0), (1, 1, 1))), ("b", *box((0.1, 0, 0), (1, 1, 1)))]
+    (tmp_path / "wall.obj").write_text(obj_text(solids))
+    words = ("convert", tmp_path / "wall.obj", tmp_path / "out.toml", "--unit", "m", "--up", "z")
+    result = drystone(*words)
+    assert result.exit_code == 2
+    assert "one lies within the other: take it out" in result.stderr
+    assert "--overlap" not in result.stderr
+
+
+def test_a_control_point_beside_all_blocks_is_refused(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 6  # m
+    space = document.modelspace()
+    for name, low in (("support", -0.5), ("stone", 0.0)):
+        corners = [(0.0, low), (0.5, low), (0.5, low + 0.5), (0.0, low + 0.5)]
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": name})
+    space.add_point((0.8, 0.5), dxfattribs={"layer": "control"})
+    document.saveas(tmp_path / "wall.dxf")
+    result = drystone("convert", tmp_path / "wall.dxf", tmp_path / "out.toml")
+    assert result.exit_code == 2 and not (tmp_path / "out.toml").exists()
+    assert "is nearest, 300 mm away" in result.stderr
+
+
 def test_overlapping_solids_are_drawn_too(tmp_path):
     solids = [("a", *box((0, 0, 0), (1, 1, 1))), ("b", *box((0.9, 0, 0), (2, 1, 1)))]
     (tmp_path / "wall.obj").write_text(obj_text(solids))

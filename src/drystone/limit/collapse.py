@@ -470,9 +470,15 @@ def _unstable(equilibrium: Equilibrium, flow: str, velocity: Array) -> Collapse:
     moving = _moving(equilibrium.assembly, velocities, FALLING)
     reason = (
         f"does not stand under its own weight: {_named(moving)} would move before any load; "
-        "support it, widen the joints or raise their friction"
+        f"support it, widen the joints or raise their {_strengths(equilibrium.assembly)}"
     )
     return _without(equilibrium, flow, "unstable", reason, velocities, moving)
+
+
+def _strengths(assembly: Assembly) -> str:
+    """What joints may have too little of."""
+    crushed = any(np.isfinite(law.compressive_strength) for law in assembly.laws)
+    return "friction or compressive strength" if crushed else "friction"
 
 
 def _without(

@@ -10,14 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from drystone.geometry.mended import Mended
 from drystone.io.drawings import Imported, ImportSettings, imported
 from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.write import to_toml
 from drystone.model.assembly import Block
 from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.control import SAME
 from drystone.model.construction.errors import ModelError
-from drystone.model.construction.words import in_a_cell
+from drystone.model.construction.words import in_a_cell, millimetres, quoted
 
 #: Tables that are taken over from another model file.
 TAKEN = (
@@ -135,7 +138,17 @@ def _control(made: Imported) -> dict[str, Any]:
     from drystone.io.modelfile.imports import nearest
 
     point = list(made.control or ())
-    return {"block": nearest(made.blocks, point), "point": point}
+    name = nearest(made.blocks, point)
+    block = next(block for block in made.blocks if block.id == name)
+    away = block.figure().distance(np.array(point))
+    if away > SAME * float(np.ptp(block.vertices, axis=0).max()):
+        raise ModelError(
+            [
+                f"the control point of the drawing is on no block that moves: {quoted(name)} is "
+                f"nearest, {millimetres(away)} away: move it there"
+            ]
+        )
+    return {"block": name, "point": point}
 
 
 def _to_fill(missing: Sequence[str], blocks: Sequence[Block], dimension: int) -> tuple[str, str]:

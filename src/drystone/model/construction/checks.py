@@ -163,9 +163,10 @@ def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) ->
     for k in np.flatnonzero(depth > OVERLAPPING * size).tolist():
         pair = int(a[k]), int(b[k])
         deepest[pair] = max(float(depth[k]), deepest.get(pair, 0.0))
+    twice = {pair for pair in deepest if _is_within(assembly, *pair)}
     most: dict[str, float] = {}  # of the blocks that one table [[import]] reads
     for (i, j), by in deepest.items():
-        if table := _table_of(place(i), place(j)):
+        if (i, j) not in twice and (table := _table_of(place(i), place(j))):
             most[table] = max(by, most.get(table, 0.0))
     for told, ((i, j), by) in enumerate(deepest.items()):
         if told == MOST_TOLD:
@@ -173,7 +174,9 @@ def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) ->
             break
         first, second = place(i), place(j)
         mend = "move them apart, or make one smaller"
-        if table := _table_of(first, second):
+        if (i, j) in twice:
+            mend = "one lies within the other: take it out, or cut it out of the other"
+        elif table := _table_of(first, second):
             mend += f", or let {closing.format(_upwards(most[table]))} close the joint"
         problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
     touches = np.zeros(assembly.n_bodies, dtype=bool)
@@ -182,6 +185,12 @@ def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) ->
     if assembly.n_bodies > 1:
         problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
     return problems
+
+
+def _is_within(assembly: Assembly, i: int, j: int) -> bool:
+    """Whether the middle of one of two blocks lies in the other."""
+    a, b = assembly.figures[i], assembly.figures[j]
+    return bool(a.distance(assembly.centroid[j]) <= 0.0 or b.distance(assembly.centroid[i]) <= 0.0)
 
 
 def _table_of(first: str, second: str) -> str:
