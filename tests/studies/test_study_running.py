@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -49,12 +50,20 @@ def test_a_longer_study_begins_as_the_shorter_one_and_goes_on_with_it(tmp_path):
     assert_same(tmp_path / "grown", tmp_path / "whole")
 
 
-def killed_then_finished(file, folder, moments):
-    """A study that is killed after so many seconds each, and then goes on to its end."""
-    for moment in moments:
+def some_are_there(folder):
+    """Wait until a study has stored some of its samples."""
+    for _ in range(600):
+        time.sleep(0.1)
+        if list(folder.glob("parts/samples-*.parquet")):
+            return
+
+
+def killed_then_finished(file, folder, waits):
+    """A study that is killed after each of the waits, and then goes on to its end."""
+    for wait in waits:
         more = ["--resume"] if (folder / "study.json").exists() else []
         process = command(file, "--out", folder, "--workers", 2, *more, WAVE_SECONDS="0.01")
-        time.sleep(moment)
+        wait()
         assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGKILL)
         process.communicate()
@@ -66,7 +75,8 @@ def killed_then_finished(file, folder, moments):
 
 def test_killed_it_goes_on_with_what_is_missing(tmp_path, monkeypatch):
     file = written(tmp_path, WAVE.replace("400", "1500"))
-    killed_then_finished(file, tmp_path / "killed", [9.0])
+    killed = tmp_path / "killed"
+    killed_then_finished(file, killed, [partial(some_are_there, killed)])
     ds.study(file, out=tmp_path / "whole", workers=2, figures=False)
     assert_same(tmp_path / "killed", tmp_path / "whole")
 
@@ -75,8 +85,8 @@ def test_killed_it_goes_on_with_what_is_missing(tmp_path, monkeypatch):
 def test_killed_at_twenty_random_moments(tmp_path):
     file = written(tmp_path, WAVE.replace("400", "30000"))
     chance = random.Random(1)
-    moments = [chance.uniform(0.5, 12.0) for _ in range(20)]
-    killed_then_finished(file, tmp_path / "killed", moments)
+    waits = [partial(time.sleep, chance.uniform(0.5, 12.0)) for _ in range(20)]
+    killed_then_finished(file, tmp_path / "killed", waits)
     ds.study(file, out=tmp_path / "whole", workers=2, figures=False)
     assert_same(tmp_path / "killed", tmp_path / "whole")
 
@@ -85,10 +95,7 @@ def test_interrupted_what_was_reached_is_kept(tmp_path):
     file = written(tmp_path, WAVE.replace("400", "5000"))
     folder = tmp_path / "out"
     process = command(file, "--out", folder, "--workers", 1, WAVE_SECONDS="0.01")
-    for _ in range(300):
-        time.sleep(0.1)
-        if list(folder.glob("parts/samples-*.parquet")):
-            break
+    some_are_there(folder)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=60)
     assert process.returncode == 130 and "what was reached is kept" in told

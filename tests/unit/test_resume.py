@@ -176,6 +176,10 @@ def test_a_complete_curve_goes_on_to_another_end(tmp_path):
     assert same(ds.resume(tmp_path / "out", max_displacement=0.05), far)
     with pytest.raises(EngineError, match='"friction" is no end'):
         ds.resume(tmp_path / "out", friction=0.3)
+    with pytest.raises(EngineError, match="m already: take more"):
+        ds.resume(tmp_path / "out", max_displacement=0.01)
+    with pytest.raises(EngineError, match="already: take less"):
+        ds.resume(tmp_path / "out", stop_multiplier=0.1)
 
 
 SINKS = """

@@ -24,6 +24,7 @@ def traced(name, engine, **options):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["wall101", "wall105", "wall113"])
 def test_distinct_goes_on_where_blocks_come_off(name):
     """To a hundredth of the load, or to a collapse without any; at rest to the engine's 1e-5.

@@ -20,6 +20,7 @@ OUTWARDS = (0.0, -1.0, 0.0)
 STIFFNESS = 1e8  # Pa/m: LMGC90's time step is bound by stiffer joints
 
 
+@pytest.mark.long
 @needs_lmgc90
 def test_lmgc90_beside_nscd():
     """Over the peak, to 50 mm: its peak to 3 %, the branch to a median of 3 % of the peak."""

@@ -145,7 +145,7 @@ def test_rollers_on_a_tilting_table_are_quick():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", [structure, random_solids])
+@pytest.mark.parametrize("make", [structure, pytest.param(random_solids, marks=pytest.mark.long)])
 def test_fifty_random_structures(make):
     """All have a figure, in at most thirty times the associative seconds; one to two minutes."""
     for seed in range(50):

@@ -36,6 +36,7 @@ def run_wall(python: Path, folder: Path) -> tuple[dict, str]:
     return json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8")), done.stderr
 
 
+@pytest.mark.long
 @needs_build
 def test_a_wheel_with_kernels_runs_wall_1_without_the_compiler(tmp_path):
     plain = release.build(tmp_path)

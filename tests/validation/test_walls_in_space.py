@@ -17,7 +17,7 @@ def static_points(curve: CapacityCurve) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("wall", [1, 2, 3])
-@pytest.mark.parametrize("engine", ["nscd", "distinct"])
+@pytest.mark.parametrize("engine", ["nscd", pytest.param("distinct", marks=pytest.mark.long)])
 def test_a_wall_of_solids_has_the_curve_of_the_plane(wall, engine):
     """Peaks to 0.2 %, the median over the branch to 0.3 % of the peak.
 

@@ -55,7 +55,12 @@ def resume_run(
         from drystone.io.results.names import RESULTS
         from drystone.limit import limits_beside
         from drystone.report.folder.directory import ResultsDirectory
-        from drystone.report.folder.resume import check_resumes, extended_to, go_on
+        from drystone.report.folder.resume import (
+            check_farther,
+            check_resumes,
+            extended_to,
+            go_on,
+        )
 
         if not folder.is_dir():
             raise typer.BadParameter(f"there is no folder {folder}", param_hint="--resume")
@@ -72,6 +77,7 @@ def resume_run(
             if kept.complete and not ends:
                 return _complete(kept, as_json=as_json)
             check_resumes(kept)
+            check_farther(kept, ends)
             if kept.past is None:
                 tell([f"{folder} keeps no state yet: its run begins anew"])
             model = extended_to(kept.model, ends)

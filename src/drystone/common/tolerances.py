@@ -901,6 +901,11 @@ MULTIPLICATION_TIME = 0.04
 FIRST_BARRIER = 1e-3
 BY_UNBALANCED = 3e-3
 
+#: Barrier of the last attempt, at which contacts begin as if each carried a block; and most barrier
+#: for what is unbalanced.  Derived: the energy of one weight; three times that: not measured.
+HIGH_BARRIER = 1.0
+MOST_BARRIER = 3.0
+
 #: More of the barrier of the last attempt, over the work of a weight along the increment.
 #: Not measured.
 BY_REACH = 0.05
@@ -941,6 +946,16 @@ FARTHEST_ROTATION = 0.2
 DAMPING = 10.0
 LOST_SUPPORT = 3e3
 MOST_DAMPING = 1e9
+
+#: Factors by which damping grows and falls, and that below which there is none.  Not measured.
+MORE_DAMPING = 4.0
+LESS_DAMPING = 0.25
+LEAST_DAMPING = 3.0
+
+#: Growth [1/s2] of a mode below which it is neutral, such as that of a joint that slides as a
+#: whole.  Derived: a hundredth of gravity over the smallest block, below which a block needs ten
+#: times as long to leave as to fall over.
+NEUTRAL = 0.5
 
 #: Length of an iteration above which damping is reduced; and factor by which an iteration is
 #: shortened in which a slip changes its direction too far.  Not measured.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,18 +20,7 @@ from drystone.common.names import there_is_no
 from drystone.common.vectors import direction_of, vector
 from drystone.geometry import motion
 from drystone.model.assembly import Assembly
-
-
-class Scale(Protocol):
-    """What takes a drawing to other coordinates and units; see `engines.frame`."""
-
-    def place(self, points: Array) -> Array:
-        """Points (..., dim) [m]."""
-        ...
-
-    def extension(self, extension: float) -> float:
-        """A length [m]."""
-        ...
+from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

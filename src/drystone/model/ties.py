@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.names import there_is_no
 from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly
+from drystone.model.scale import Scale
 
 #: What a tie does, in results by these names.
 SLACK, ELASTIC, YIELDING, BROKEN = 0, 1, 2, 3
@@ -33,26 +34,6 @@ AT_IT = 3e-3
 
 #: Over a block's size: how far from it an end may lie.
 SAME = 1e-6
-
-
-class Scale(Protocol):
-    """What takes a drawing to other coordinates and units; see `engines.frame`."""
-
-    def place(self, points: Array) -> Array:
-        """Points (..., dim) [m]."""
-        ...
-
-    def forces(self, forces: Array) -> Array:
-        """Forces (...) [N]."""
-        ...
-
-    def extension(self, extension: float) -> float:
-        """A length [m]."""
-        ...
-
-    def spring(self, stiffness: float) -> float:
-        """A force over a length [N/m]."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

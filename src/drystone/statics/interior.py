@@ -59,9 +59,6 @@ class InteriorSettings:
     lost: float = tolerances.LOST_SUPPORT
 
 
-#: Barrier of the last attempt, and most of it, for contacts that start as if each carried a block.
-HIGH, MOST_BARRIER = 1.0, 3.0
-
 #: Iterations of the last attempt.
 SLOW_ITERATIONS = 200
 
@@ -71,9 +68,6 @@ STALLED, RECENTRED = 4, 4
 #: Iterations within which Newton's method must have gained, where it is tried between others and
 #: where it begins; and iterations after which it is tried again where the branches can be told.
 NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
-
-#: Factors of more and less damping, and that below which there is none [1/s2].
-MORE, LESS, LEAST_DAMPING = 4.0, 0.25, 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,7 +189,7 @@ class InteriorPoint:
         if attempt.by_residual:
             step.respond()
             unbalanced = step.balance(step.reaction) / self.block_weight
-            most = min(settings.unbalanced * unbalanced**2, MOST_BARRIER)
+            most = min(settings.unbalanced * unbalanced**2, tolerances.MOST_BARRIER)
             barrier = max(barrier, most * unit)
         if attempt.by_increment:
             barrier += tolerances.BY_REACH * self.block_weight * abs(step.missing)
@@ -235,7 +229,7 @@ class InteriorPoint:
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
         if step.prescribed is not None and not step.stable:
-            step.damping[:] = np.maximum(MORE * step.damping, settings.damping)
+            step.damping[:] = np.maximum(tolerances.MORE_DAMPING * step.damping, settings.damping)
             return 1.0 if step.damping[0] < tolerances.MOST_DAMPING else math.nan
         ahead = tolerances.PREDICTOR_RADIUS * energy
         far = self._length(ahead, ahead)
@@ -256,8 +250,8 @@ class InteriorPoint:
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
         if far > tolerances.GOOD_LENGTH:
-            step.damping *= LESS
-            step.damping[step.damping < LEAST_DAMPING] = 0.0
+            step.damping *= tolerances.LESS_DAMPING
+            step.damping[step.damping < tolerances.LEAST_DAMPING] = 0.0
         inner += far * change
         step.multiplier += far * by_multiplier
         step.move(step.bordered.columns[0], far)

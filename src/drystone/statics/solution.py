@@ -20,8 +20,6 @@ from drystone.engines.base import Fold
 from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
-    HIGH,
-    LEAST_DAMPING,
     SLOW_ITERATIONS,
     WARM_PATIENCE,
     Attempt,
@@ -51,7 +49,7 @@ class StabilitySettings:
     iterations: int = 4
     #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
     #: over the smallest block's size is 56 of them in the structure's own frame.
-    neutral: float = 0.5
+    neutral: float = tolerances.NEUTRAL
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +86,16 @@ class _Solver(InteriorPoint):
         if follows or not full_search or step.prescribed is not None:
             return False  # what is not found so is tried in motion, or shorter
         step.restart(guess, multiplier)
-        if self.interior(replace(first, least_damping=LEAST_DAMPING)):
+        if self.interior(replace(first, least_damping=tolerances.LEAST_DAMPING)):
             return True
         step.restart(step.given.copy(), multiplier)
         return self.interior(
-            Attempt(barrier=HIGH, by_increment=True, second=False, iterations=SLOW_ITERATIONS)
+            Attempt(
+                barrier=tolerances.HIGH_BARRIER,
+                by_increment=True,
+                second=False,
+                iterations=SLOW_ITERATIONS,
+            )
         )
 
     def update_contacts(self, most: int) -> bool:

@@ -13,10 +13,11 @@ from drystone.common.keys import Key, Tables, Vector
 from drystone.common.language import say
 from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
-from drystone.model.loading.base import NO_MASSES, Masses, Scale
+from drystone.model.loading.base import NO_MASSES, Masses
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.forces import leading
 from drystone.model.loading.targets import TARGET_KEYS, Target
+from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,30 +15,7 @@ from drystone.common.tolerances import ROUNDING
 from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
-
-
-class Scale(Protocol):
-    """What takes points and forces to other coordinates and units; see `engines.frame`."""
-
-    def place(self, points: Array) -> Array:
-        """Points (..., dim) [m]."""
-        ...
-
-    def forces(self, forces: Array) -> Array:
-        """Forces (..., dim) [N]."""
-        ...
-
-    def height(self, height: float) -> float:
-        """A height [m], along gravity."""
-        ...
-
-    def pressure(self, pressure: float) -> float:
-        """A pressure [Pa]."""
-        ...
-
-    def weight(self, unit_weight: float) -> float:
-        """A unit weight [N/m3]."""
-        ...
+from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

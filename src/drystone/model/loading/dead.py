@@ -14,10 +14,10 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.model.assembly import Assembly
-from drystone.model.loading.base import Scale
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.faces import Traction, faces_towards, has_faces
 from drystone.model.loading.targets import CENTRE, PointForce, Target
+from drystone.model.scale import Scale
 
 #: Angle to a side up to which faces look there [degrees], where nothing is said.
 WITHIN = 45.0

@@ -17,9 +17,10 @@ from drystone.common.ranges import RANGES
 from drystone.common.tolerances import ROUNDING
 from drystone.geometry.motion import rotations, translations
 from drystone.model.assembly import Assembly
-from drystone.model.loading.base import NO_MASSES, Masses, Scale
+from drystone.model.loading.base import NO_MASSES, Masses
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.targets import CENTRE, TARGET_KEYS, PointForce
+from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

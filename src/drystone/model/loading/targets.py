@@ -12,8 +12,8 @@ from drystone.common.arrays import Array, IntArray
 from drystone.common.keys import Key, Text
 from drystone.common.names import quoted, there_is_no
 from drystone.model.assembly import Assembly
-from drystone.model.loading.base import Scale
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.scale import Scale
 
 #: Points of a block that have names: its centroid, the middle of its highest vertices.
 CENTRE, TOP = "centre", "top"

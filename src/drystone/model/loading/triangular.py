@@ -12,8 +12,9 @@ from drystone.common.arrays import Array
 from drystone.common.keys import Key, Number
 from drystone.common.ranges import RANGES
 from drystone.model.assembly import Assembly
-from drystone.model.loading.base import NO_MASSES, Directed, Masses, Scale
+from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

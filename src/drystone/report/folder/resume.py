@@ -63,6 +63,7 @@ def resume(
         if kept.complete and not extended:
             results.close()
             return load_results(path).curve
+        check_farther(kept, extended)
         model = extended_to(kept.model, extended)
         results.beside = limits_beside(model)
         return go_on(kept, model, results, engine=engine, progress=progress, threads=threads)
@@ -99,6 +100,23 @@ def check_resumes(kept: Kept, engine: Engine[Any] | None = None) -> None:
     solver = make_engine(kept.engine) if engine is None else engine
     if not solver.capabilities.resumes:
         raise EngineError(cannot_resume(kept.engine))
+
+
+def check_farther(kept: Kept, ends: Mapping[str, float | None]) -> None:
+    """Raise `EngineError` where a complete curve has passed an end that is asked for."""
+    if not kept.complete or kept.past is None or not kept.past.points:
+        return
+    analysis = kept.model.analysis
+    stop, farthest = ends.get("stop_multiplier"), ends.get("max_displacement")
+    if stop is not None and stop > analysis.stop_multiplier:
+        went_to = analysis.stop_multiplier
+        raise EngineError(f"stop_multiplier: the run went to {went_to:g} already: take less")
+    reached = max(point.control_displacement for point in kept.past.points)
+    again = farthest == analysis.options.get("max_displacement")  # a command repeated after a kill
+    if farthest is not None and farthest < reached and not again:
+        raise EngineError(
+            f"max_displacement: the run has passed {reached:.4g} m already: take more"
+        )
 
 
 def extended_to(model: Model, ends: Mapping[str, float | None]) -> Model:
