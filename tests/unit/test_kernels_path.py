@@ -27,7 +27,7 @@ from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumState
 from drystone.statics.plane import path
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.solution import SolutionSettings, StepSolution
+from drystone.statics.solution import SolutionSettings, StepSolution, StepStart
 from interpreted import fewer
 
 pytestmark = pytest.mark.kernels
@@ -114,9 +114,7 @@ def take(engine, state, increment, *, guess=None, whole=True, **options):
     )
     solved = solution.solve(
         step,
-        [guess],
-        state.multiplier,
-        state.reaction,
+        StepStart(guesses=[guess], multiplier=state.multiplier, reaction=state.reaction),
         SolutionSettings(path=PathSettings(**options)),
         beyond=whole,
     )

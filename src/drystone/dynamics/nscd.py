@@ -33,6 +33,7 @@ from drystone.dynamics import nlgs
 from drystone.dynamics.nlgs import NlgsResult, NlgsSettings
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.engines.base import (
+    TOO_FAR,
     Capabilities,
     Demand,
     Engine,
@@ -230,7 +231,7 @@ class NscdEngine(Engine[NscdState]):
             share = solved.residual / scale
             reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
         elif motion > self.settings.max_motion * state.prepared.detector.margin:
-            reason = "a block moves too far in one step"
+            reason = TOO_FAR
         if reason:
             return state, StepReport(
                 converged=False,

@@ -78,6 +78,9 @@ class Demand:
     stop_blocks: bool = True  # start the step from rest
 
 
+#: Why a step is refused: contacts that it has not looked for could have been made.
+TOO_FAR = "a block moves too far in one step"
+
 #: Parts into which an increment is divided while it is driven.  `StepPath.overshoot` is taken from
 #: the mean multiplier of each part.
 OVERSHOOT_PARTS = 10

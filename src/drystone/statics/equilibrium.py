@@ -63,7 +63,7 @@ from drystone.statics.equations import (
     sinking,
 )
 from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.solution import SolutionSettings
+from drystone.statics.solution import SolutionSettings, StepStart
 from drystone.statics.space.space_step import SpaceStep
 from drystone.statics.static_step import StaticStep, StepSolution
 
@@ -415,13 +415,22 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             if last is not None:
                 tried = [last.increment if near is None else near]
                 multiplier = multiplier if prescribed is None else last.multiplier
-            last = solution.solve(
-                own, tried, multiplier, state.reaction, self.settings.solution,
+            begins = StepStart(
+                guesses=tried,
+                multiplier=multiplier,
+                reaction=state.reaction,
                 unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope, was_unstable=state.unstable,
-                dynamic=demand.time_step > 0.0, full_search=demand.full_search,
+                slope=np.nan if state.softened else state.slope,
+                was_unstable=state.unstable,
+            )
+            last = solution.solve(
+                own,
+                begins,
+                self.settings.solution,
+                dynamic=demand.time_step > 0.0,
+                full_search=demand.full_search,
                 beyond=demand.over_fold,
-            )  # fmt: skip
+            )
             return last
 
         def expect(current: Array, fresh: Array) -> None:

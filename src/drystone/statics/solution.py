@@ -8,7 +8,7 @@ in the Rayleigh quotient of the lowest mode.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array
-from drystone.engines.base import Fold
+from drystone.engines.base import TOO_FAR, Fold
 from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
@@ -227,17 +227,34 @@ def _orthonormal(x: Array, mass: Array) -> Array:
     return np.ascontiguousarray((q * back[:, None]).T).reshape(x.shape)
 
 
-# Long: the methods in their order, and what the solution says of the curve.
+@dataclass(frozen=True, kw_only=True)
+class StepStart:
+    """Where a step begins, and what is known of the one before."""
+
+    #: Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
+    guesses: Sequence[Array]
+    multiplier: float  # without a prescribed displacement, the one that is asked for
+    reaction: Array  # of all contacts, (n_slots, dim) [N]
+    unchanged: bool = False  # whether no contact changed its state in the last step
+    slope: float = math.nan  # 1/m, of the curve, if it is known
+    was_unstable: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Followed:
+    """What following the linear pieces has come to."""
+
+    solution: StepSolution | None = None  # None: another method is to be tried
+    fold: Fold | None = None
+    full_search: bool
+    at_last: Callable[[], StepSolution] | None = None  # to be tried where nothing else succeeds
+
+
 def solve(
     step: StaticStep,
-    guesses: Sequence[Array],
-    multiplier: float,
-    reaction: Array,
+    start: StepStart,
     settings: SolutionSettings,
     *,
-    unchanged: bool = False,
-    slope: float = math.nan,
-    was_unstable: bool = False,
     dynamic: bool = False,
     full_search: bool = True,
     beyond: bool = False,
@@ -246,15 +263,6 @@ def solve(
 
     Parameters
     ----------
-    guesses
-        Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
-    multiplier
-        Where the step starts; without a prescribed displacement, the one that is asked for.
-    reaction
-        Of all contacts where it starts, (n_slots, dim) [N].
-    unchanged, slope, was_unstable
-        Of the last step: whether no contact changed its state, so that Newton's method is tried
-        first; the curve's slope at its end [1/m], if known; whether that was unstable.
     dynamic
         Whether the step is one in time, in which inertia regularises what is not stable.
     full_search
@@ -263,37 +271,72 @@ def solve(
         Whether an equilibrium is looked for beyond a fold of the path, on the path of the implicit
         law.
     """
-    prescribed, farthest = step.prescribed, step.detector.farthest
-    if prescribed is None and _stands(step, guesses[0], multiplier):
-        return StepSolution(increment=step.x.copy(), multiplier=multiplier, n_iterations=0)
-    fold, at_last = None, None
+    if step.prescribed is None and _stands(step, start.guesses[0], start.multiplier):
+        return StepSolution(increment=step.x.copy(), multiplier=start.multiplier, n_iterations=0)
+    followed = _Followed(full_search=full_search)
     if settings.path is not None and isinstance(step, PlaneStep):
-        follow = partial(piecewise.follow, step, guesses[0], multiplier, reaction, settings.path)
-        followed = follow(whole=prescribed is None or dynamic or beyond)
-        # A fold says that there is no equilibrium ahead: what follows is motion.
-        folded = followed.reason == piecewise.TURNS_BACK and prescribed is not None
-        if not followed.reason or folded or followed.reason == TOO_STIFF:
-            return followed
-        step.again()
-        fold = followed.fold
-        # A shorter step is followed for less than a long search costs, unless it is as long a path.
-        given_up = followed.reason == piecewise.MANY_CHANGES
-        if prescribed is not None:
-            full_search = full_search and given_up
-        elif given_up and settings.path.at_last(step.n) > settings.path.changes:
-            at_last = partial(follow, whole=True, patient=True)
-    solver, driven = _Solver(step, settings.interior), farthest(step.given)
+        whole = step.prescribed is None or dynamic or beyond
+        followed = _follow(step, start, settings.path, whole=whole, full_search=full_search)
+        if followed.solution is not None:
+            return followed.solution
+    solved, found = _by_interior(step, start, followed, settings, dynamic=dynamic)
+    if found or solved.reason == TOO_STIFF or followed.at_last is None:
+        return solved
+    step.again()
+    last = followed.at_last()
+    return replace(last, n_iterations=solved.n_iterations + last.n_iterations)
+
+
+def _follow(
+    step: PlaneStep, start: StepStart, settings: PathSettings, *, whole: bool, full_search: bool
+) -> _Followed:
+    """Follow the linear pieces of a step."""
+    prescribed = step.prescribed
+    follow = partial(
+        piecewise.follow, step, start.guesses[0], start.multiplier, start.reaction, settings
+    )
+    solution = follow(whole=whole)
+    # A fold says that there is no equilibrium ahead: what follows is motion.
+    folded = solution.reason == piecewise.TURNS_BACK and prescribed is not None
+    if not solution.reason or folded or solution.reason == TOO_STIFF:
+        return _Followed(solution=solution, full_search=full_search)
+    step.again()
+    # A shorter step is followed for less than a long search costs, unless it is as long a path.
+    given_up, at_last = solution.reason == piecewise.MANY_CHANGES, None
+    if prescribed is not None:
+        full_search = full_search and given_up
+    elif given_up and settings.at_last(step.n) > settings.changes:
+        at_last = partial(follow, whole=True, patient=True)
+    return _Followed(fold=solution.fold, full_search=full_search, at_last=at_last)
+
+
+def _by_interior(
+    step: StaticStep,
+    start: StepStart,
+    followed: _Followed,
+    settings: SolutionSettings,
+    *,
+    dynamic: bool,
+) -> tuple[StepSolution, bool]:
+    """The step by the interior-point method; and whether there is an equilibrium."""
+    prescribed, farthest = step.prescribed, step.detector.farthest
+    solver, fold, driven = _Solver(step, settings.interior), followed.fold, farthest(step.given)
     increment = prescribed.increment if prescribed else driven
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
+    slope = start.slope
     if follows and prescribed is not None and not math.isfinite(slope):
-        step.restart(np.zeros_like(step.x), multiplier)
+        step.restart(np.zeros_like(step.x), start.multiplier)
         step.respond()
         known = step.slope()
         solver.iterations = 1  # a factorisation counts as one
         slope = math.nan if known is None else known
-    guess = _nearest(step, guesses, multiplier)
+    guess = _nearest(step, start.guesses, start.multiplier)
     found = solver.find(
-        guess, multiplier, warm=unchanged, full_search=full_search, follows=follows
+        guess,
+        start.multiplier,
+        warm=start.unchanged,
+        full_search=followed.full_search,
+        follows=follows,
     ) and solver.update_contacts(settings.contact_updates)
     moved, reason = farthest(step.x), ""
     stable, end, tangent = True, math.nan, None
@@ -308,30 +351,29 @@ def solve(
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
             reason = TOO_STIFF
-        elif at_last:
-            step.again()
-            last = at_last()
-            return replace(last, n_iterations=solver.iterations + last.n_iterations)
     elif not moved <= step.accuracy.farthest:
-        reason = "a block moves too far in one step"
+        reason = TOO_FAR
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
-    shape = _shape(sense * multiplier, sense * step.multiplier, slope, end, sense * increment)
-    if was_unstable and found and follows and stable:
-        shape = (0.0, 0.0), (0.0, 0.0)  # it has left an unstable point: nothing lies between
-    off = follows and len(guesses) > 1 and moved > 0.0  # the second guess is along the tangent
-    return StepSolution(
+    begun, ended = sense * start.multiplier, sense * step.multiplier
+    excess, bend = _shape(begun, ended, slope, end, sense * increment)
+    if start.was_unstable and found and follows and stable:
+        excess, bend = (0.0, 0.0), (0.0, 0.0)  # left an unstable point: nothing lies between
+    # The second guess is along the tangent.
+    off = follows and len(start.guesses) > 1 and moved > 0.0
+    solution = StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
         n_iterations=solver.iterations,
         fold=fold,
-        excess=shape[0] if not reason else None,
-        bend=shape[1] if not reason else None,
-        deviation=farthest(step.x - guesses[1]) / moved if off else None,
+        excess=excess if not reason else None,
+        bend=bend if not reason else None,
+        deviation=farthest(step.x - start.guesses[1]) / moved if off else None,
         slope=end,
         tangent=tangent,
         unstable=not stable,
         reason=reason,
     )
+    return solution, found
 
 
 def _stands(step: StaticStep, guess: Array, multiplier: float) -> bool:

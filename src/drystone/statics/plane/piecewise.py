@@ -20,7 +20,7 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.contact.contacts import SLOT
-from drystone.engines.base import Fold
+from drystone.engines.base import TOO_FAR, Fold
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.plane import path
 from drystone.statics.plane.plane_step import PlaneStep
@@ -105,7 +105,7 @@ def follow(
         step.remember()
         moved = step.detector.farthest(x)
         if not moved <= accuracy.farthest:  # or not a number
-            reason = "a block moves too far in one step"
+            reason = TOO_FAR
             break
         step.evaluate(x, multiplier)
         if count == 1 and prescribed:
