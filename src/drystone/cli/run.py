@@ -301,11 +301,12 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
     if curve.moves_supports:
         return _support_text(title, curve, folder)
     peak, ultimate = curve.peak, curve.ultimate_displacement
-    end = (
-        f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
-        if ultimate is not None
-        else f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
-    )
+    if ultimate is None:
+        end = f"not reached; the curve ends at {curve.points[-1].control_displacement:.4f} m"
+    elif curve.ends_in_motion:
+        end = f"{ultimate:.4f} m, where the structure collapses in motion"
+    else:
+        end = f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
     highest = curve.name_of_peak.replace("peak", "peak multiplier")
     whole = curve.capacity
     capacity = (

@@ -400,10 +400,19 @@ class CapacityCurve:
 
     @property
     def peak_passed(self) -> bool:
-        """Whether the curve comes down from its `peak`: else that is the highest point so far."""
+        """Whether the curve comes down from its `peak`, or the structure collapses from there: else
+        that is the highest point so far."""
+        if self.ends_in_motion:
+            return True
         top = self.peak
         after = (p for p in self.points if p.step > top.step and p.status == STATIC)
         return any(p.load_multiplier < PASSED * top.load_multiplier for p in after)
+
+    @property
+    def ends_in_motion(self) -> bool:
+        """Whether the structure collapses from the last point at rest."""
+        ended = self.status == FINISHED and self.ended_by is None
+        return ended and self.points[-1].status == DYNAMIC
 
     @property
     def ultimate_displacement(self) -> float | None:
