@@ -24,6 +24,8 @@ Labelled = Sequence[tuple[str, CapacityCurve]]
 
 #: A peak nearer to the origin than this share of the curve gets a second panel of its own.
 STEEP = 0.1
+#: Share of the range of multipliers at rest by which points in motion are shown beyond it.
+IN_MOTION = 0.5
 #: A peak beyond this share of the curve has its words on the left.
 LEFTWARDS = 0.5
 #: Dynamic points marked on one curve, about: more would run into each other.
@@ -155,12 +157,26 @@ def plot_curves(
     axes.set_ylabel(MULTIPLIER)
     axes.margins(x=0.02, y=0.04)
     left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
+    bottom, top = _of_rest(axes, curves, reference, limits or {})
     # A curve fills the axes; its marks need a margin above the peak and after the end.
     beside = 0.16 * (right - left) if marks and len(curves) == 1 else 0.0
     above = 0.06 * (top - bottom) if marks and len(curves) == 1 else 0.0
     axes.set_xlim(0.0 if _never_negative(curves, "control_displacement") else left, right + beside)
     axes.set_ylim(0.0 if _never_negative(curves, "load_multiplier") else bottom, top + above)
+
+
+def _of_rest(
+    axes: Axes, curves: Labelled, reference: Sequence[Reference], limits: Mapping[str, float]
+) -> tuple[float, float]:
+    """The range of multipliers to be shown: what is passed in motion may go far beyond it."""
+    at_rest = [_static(curve, METRE)[1] for _, curve in curves]
+    values = np.concatenate([[0.0], list(limits.values()), *at_rest, *(y for _, _, y in reference)])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    bottom, top = axes.get_ylim()
+    if not high > low:
+        return bottom, top
+    beyond = IN_MOTION * (high - low)
+    return max(bottom, low - beyond), min(top, high + beyond)
 
 
 def _plot_beside(
@@ -312,7 +328,11 @@ def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
 def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     """The ultimate displacement, or where and why the curve breaks off before."""
     ultimate = curve.ultimate_displacement
-    if ultimate is not None:
+    if ultimate is not None and curve.ends_in_motion:
+        x, y = ultimate * unit.per_metre, curve.at_rest[-1].load_multiplier
+        text, label = f"collapses at\n{length_text(ultimate)}", "ultimate displacement"
+        marker, face = "D", canvas.INK
+    elif ultimate is not None:
         x, y = ultimate * unit.per_metre, curve.stop_multiplier
         text, label = f"{length_text(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
         marker, face = "D", canvas.INK
@@ -332,7 +352,8 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         zorder=6,
         clip_on=False,
     )
-    if ultimate is None and curve.points[-1] is curve.capacity:
+    last = curve.at_rest[-1] if curve.ends_in_motion else curve.points[-1]
+    if last is curve.capacity and (ultimate is None or curve.ends_in_motion):
         return  # what is written at the peak says where that is
     axes.annotate(
         text,
