@@ -20,6 +20,7 @@ from drystone.io.convert import common, convert, itasca, read, target_of
 from drystone.io.modelfile import write_model
 from drystone.model.assembly import Block, Corner
 from drystone.model.builders import ModelError, make_model, published_wall
+from drystone.model.history import History
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
@@ -321,6 +322,9 @@ def test_the_script_for_lmgc90_runs_the_strategy(monkeypatch, tmp_path):
     assert max(density) == pytest.approx(0.4 * 0.5 * 1e4 / 9.81 / area)
 
 
+CRUSHED = replace(PUBLISHED_JOINT, compressive_strength=1e7)
+
+
 @pytest.mark.parametrize(
     ("target", "change", "said"),
     [
@@ -331,6 +335,9 @@ def test_the_script_for_lmgc90_runs_the_strategy(monkeypatch, tmp_path):
         ("lmgc90", {}, "rigid in shear"),
         ("udec", {"analysis": Analysis(options={"max_steps": 10.0})}, "max_steps"),
         ("udec", {"control_point": "centre"}, "nearest corner"),
+        ("udec", {"joint": CRUSHED}, "compressive_strength left out"),
+        ("3dec", {"joint": CRUSHED}, "compressive_strength left out"),
+        ("udec", {"history": History(targets=(0.01, -0.01))}, "the history of displacements"),
         ("vtk", {}, "joints, corners, load and analysis are left out"),
     ],
 )

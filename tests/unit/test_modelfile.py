@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from builders import stack
 from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.io.modelfile.schema import OPTION_NAMES, AnalysisSection
 from drystone.model.assembly import GRAVITY
@@ -540,3 +541,11 @@ class TestExamples:
         example, published = read_model(EXAMPLES / f"wall{number}.toml"), published_wall(number)
         a, b = model_to_dict(example), model_to_dict(published)
         assert {**a, "title": ""} == {**b, "title": ""}
+
+
+def test_a_default_control_point_is_written_as_one(tmp_path):
+    """Named, it would stay on its block where another one falls first."""
+    write_model(stack((0.4, 1.0)), tmp_path / "model.toml")
+    assert read_model(tmp_path / "model.toml").control_point.default
+    write_model(stack((0.4, 1.0), control_point="top left"), tmp_path / "model.toml")
+    assert not read_model(tmp_path / "model.toml").control_point.default

@@ -11,8 +11,11 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
+from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism import course_of, initial_shape, reduced
+from drystone.assessment.methods.ntc2018_local import sudden_loss
+from drystone.assessment.rocking.block import peak_slope
 from drystone.cli import app
 from drystone.io.modelfile import write_model
 from drystone.model.site import Site
@@ -155,6 +158,50 @@ def test_a_wall_that_leans_on_another_is_activated_where_it_begins_to_rock():
     assert found["activation_multiplier"] == pytest.approx(0.125, rel=1e-3)
     told = " ".join(map(str, verdict.capacity.notes))
     assert "from which it falls by more than a fifth" in told
+
+
+def test_a_mass_on_a_block_participates_where_it_lies():
+    """20 kN of wall, and 80 kN at a tenth of its height: 1/Gamma = (20 + 80 x 0.2)/(2 x 100)."""
+    ground = [(-2.0, -0.5), (6.0, -0.5), (6.0, 0.0), (-2.0, 0.0)]
+    wall = [(0.0, 0.0), (0.5, 0.0), (0.5, 2.0), (0.0, 2.0)]
+    model = ds.make_model(
+        [
+            ds.Block(id="ground", vertices=np.array(ground), unit_weight=20e3, support=True),
+            ds.Block(id="wall", vertices=np.array(wall), unit_weight=20e3),
+        ],
+        joint=ds.JointLaw(friction_coefficient=1.5, normal_stiffness=1e10, shear_stiffness=1e10),
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        dead_loads=[
+            ds.ForceLoad(
+                block="wall", point=np.array([0.25, 0.2]), force=np.array([0.0, -80e3]), mass=True
+            )
+        ],
+    )
+    curve = ds.pushover(model)
+    found = reduced(curve, model, course=False).capacities["base_shear"]
+    assert found.transformation_factor == pytest.approx(1.0 / 0.18, rel=1e-3)
+
+
+def test_a_loss_before_the_highest_acceleration_counts():
+    """More than half of what was borne is lost at 0.03 m; the highest multiplier comes later."""
+    d = [0.0, 0.01, 0.03, 0.0301, 0.2, 0.5, 2.0]
+    x = [0.0, 0.55, 0.58, 0.23, 0.62, 0.62, 0.0]
+    capacity = Capacity.of(
+        d, x, participation([1000.0], [0.5], 300.0), reading="base_shear", collapse_displacement=2.0
+    )
+    assert sudden_loss(capacity) == pytest.approx(0.03 / capacity.transformation_factor)
+
+
+def test_the_slope_of_a_rocking_block_is_that_past_its_first_peak():
+    """Of a line to zero at 0.5 m, though the block leans on another one from 0.2 m on."""
+    d = [0.0, 1e-6, 0.1, 0.2, 0.25, 1.0]
+    x = [0.0, 0.25, 0.2, 0.15, 0.6, 0.0]
+    bodies = participation([1000.0], [0.5], 300.0)
+    made = {"reading": "energy", "activation_multiplier": 0.25}
+    capacity = Capacity.of(d, x, bodies, **made)
+    alone = Capacity.of([0.0, 1e-6, 0.5], [0.0, 0.25, 0.0], bodies, **made)
+    assert peak_slope(capacity) == pytest.approx(peak_slope(alone), rel=1e-3)
 
 
 def test_what_a_method_needs_is_asked_for():

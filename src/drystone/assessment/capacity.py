@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.common.arrays import Array
 from drystone.common.language import Saying, say
+from drystone.common.tolerances import ROUNDING
 from drystone.model.assembly import GRAVITY
 
 #: How multiplier and control displacement become acceleration and displacement of the oscillator.
@@ -252,6 +253,13 @@ class Capacity:
     def peak_index(self) -> int:
         """The first point of highest multiplier."""
         return int(np.argmax(self.load_multiplier))
+
+    @property
+    def activation_index(self) -> int:
+        """The first point that bears the activation multiplier."""
+        least = (1.0 - ROUNDING) * self.activation_multiplier
+        reached = np.flatnonzero(self.load_multiplier >= least)
+        return int(reached[0]) if len(reached) else self.peak_index
 
     @property
     def reach(self) -> float:

@@ -403,8 +403,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 own.ties.begin(state.ties)
             if isinstance(own, PlaneStep):
                 own.kept[:] = 0 if state.kept is None else state.kept
-            past = state.pose, state.slots, state.history
-            own.begin(*past, branch, h, prescribed, near, *joints)
+            own.begin(state.pose, state.slots, state.history, branch, h, prescribed, near, *joints)
 
         def once(
             current: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
@@ -416,21 +415,14 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 tried = [last.increment if near is None else near]
                 multiplier = multiplier if prescribed is None else last.multiplier
             begins = StepStart(
-                guesses=tried,
-                multiplier=multiplier,
-                reaction=state.reaction,
+                guesses=tried, multiplier=multiplier, reaction=state.reaction,
                 unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope,
-                was_unstable=state.unstable,
-            )
+                slope=np.nan if state.softened else state.slope, was_unstable=state.unstable,
+            )  # fmt: skip
             last = solution.solve(
-                own,
-                begins,
-                self.settings.solution,
-                dynamic=demand.time_step > 0.0,
-                full_search=demand.full_search,
-                beyond=demand.over_fold,
-            )
+                own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,
+                full_search=demand.full_search, beyond=demand.over_fold,
+            )  # fmt: skip
             return last
 
         def expect(current: Array, fresh: Array) -> None:
@@ -440,11 +432,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if not state.prepared.strengths.any:
             return once(None, None, state.branch, None)
         rise = state.slope * increment if increment and state.softened else np.nan
+        gap = state.slots.gap
         return yielding.solve(
             own,
-            yielding.Beginning(
-                state.history, state.slots.gap, state.branch, state.multiplier, rise
-            ),
+            yielding.Beginning(state.history, gap, state.branch, state.multiplier, rise),
             once,
             expect,
             increment,

@@ -325,19 +325,12 @@ def _by_interior(
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
     slope = start.slope
     if follows and prescribed is not None and not math.isfinite(slope):
-        step.restart(np.zeros_like(step.x), start.multiplier)
-        step.respond()
-        known = step.slope()
+        slope = _slope_at_start(step, start.multiplier)
         solver.iterations = 1  # a factorisation counts as one
-        slope = math.nan if known is None else known
     guess = _nearest(step, start.guesses, start.multiplier)
-    found = solver.find(
-        guess,
-        start.multiplier,
-        warm=start.unchanged,
-        full_search=followed.full_search,
-        follows=follows,
-    ) and solver.update_contacts(settings.contact_updates)
+    tried = {"warm": start.unchanged, "full_search": followed.full_search, "follows": follows}
+    found = solver.find(guess, start.multiplier, **tried)
+    found = found and solver.update_contacts(settings.contact_updates)
     moved, reason = farthest(step.x), ""
     stable, end, tangent = True, math.nan, None
     if found and follows:
@@ -374,6 +367,14 @@ def _by_interior(
         reason=reason,
     )
     return solution, found
+
+
+def _slope_at_start(step: StaticStep, multiplier: float) -> float:
+    """Slope of the curve [1/m] where a step begins; NaN where the stiffness is singular."""
+    step.restart(np.zeros_like(step.x), multiplier)
+    step.respond()
+    known = step.slope()
+    return math.nan if known is None else known
 
 
 def _stands(step: StaticStep, guess: Array, multiplier: float) -> bool:

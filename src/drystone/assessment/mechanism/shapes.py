@@ -17,6 +17,7 @@ from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_block
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import said_end, say
+from drystone.common.tolerances import TINY
 from drystone.geometry import motion
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import masses_of
@@ -203,7 +204,7 @@ def _shape(
     labels = find_macro_blocks(assembly, field, direction, departed=~present)
     if not (labels >= 0).any():
         raise AssessmentError(say("refused.none_moves"))
-    mass, delta = _masses(model), field.along(direction)
+    mass, delta = _masses(model), _of_masses(model, field, turned).along(direction)
     moving = labels >= 0
     whole = np.bincount(labels[moving], weights=mass[moving])
     mean = np.bincount(labels[moving], weights=(mass * delta)[moving]) / whole
@@ -227,26 +228,52 @@ def _masses(model: Model) -> Array:
     return carried.weights(model.assembly) / GRAVITY
 
 
+def _carried_at(model: Model, pose: Array | None) -> Array:
+    """From the blocks' centroids to where what they carry lies, (n, dim) [m]; zeros where they
+    carry nothing.  In poses, if any."""
+    assembly = model.assembly
+    carried = masses_of(assembly, tuple(model.dead_loads))
+    if carried.weight is None or carried.moment is None:
+        return np.zeros_like(assembly.centroid)
+    weight = carried.weight[:, None]
+    arm = np.divide(carried.moment, weight, out=np.zeros_like(carried.moment), where=weight > 0.0)
+    return arm if pose is None else motion.rotated(arm, pose)
+
+
+def _of_masses(model: Model, field: VelocityField, pose: Array | None) -> VelocityField:
+    """The field at the common centres of the blocks and of what they carry."""
+    assembly, mass = model.assembly, np.maximum(_masses(model), TINY)
+    share = np.where(assembly.fixed, 0.0, 1.0 - assembly.weight / GRAVITY / mass)
+    return field.carried_to(field.place + share[:, None] * _carried_at(model, pose))
+
+
 def _kinetic_ratio(
     model: Model, field: VelocityField, present: BoolArray, pose: Array | None
 ) -> float:
     """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
-    mass = _masses(model)[present]
-    momentum = float(mass @ field.along(model.load_along)[present])
+    mass, own = _masses(model)[present], _of_masses(model, field, pose)
+    momentum = float(mass @ own.along(model.load_along)[present])
     return momentum**2 / (float(mass.sum()) * _kinetic_mass(model, field, present, pose))
 
 
 def _kinetic_mass(
     model: Model, field: VelocityField, which: BoolArray, pose: Array | None
 ) -> float:
-    """sum (m |v|^2 + w J w) [kg] of blocks (n,); what blocks carry moves as their centroids do."""
+    """sum (m |v|^2 + w J w) [kg] of blocks (n,) with what they carry."""
     assembly, spin = model.assembly, field.spin
+    carried = masses_of(assembly, tuple(model.dead_loads)).weights(assembly) - assembly.weight
+    # What a block carries turns with it about their common centre.
+    arm = _carried_at(model, pose)
+    apart = motion.across(spin, arm)
+    own = np.maximum(_masses(model), TINY)
+    reduced = np.where(assembly.fixed, 0.0, assembly.mass[:, 0] * carried / GRAVITY / own)
     axes = assembly.axes
     if pose is not None:
         n_axes = axes.shape[2]
         axes = np.stack([motion.rotated(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
     spin = motion.about_own_axes(spin, axes)
-    straight = _masses(model)[:, None] * field.velocity**2
+    straight = _masses(model)[:, None] * _of_masses(model, field, pose).velocity ** 2
+    straight += reduced[:, None] * apart**2
     turning = motion.rotations(assembly.mass) * spin**2
     return float(straight[which].sum() + turning[which].sum())
 

@@ -6,9 +6,11 @@ slide, friction takes the work, and the multiplier stays until they fall off wha
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 from drystone.assessment.mechanism.field import VelocityField, chord
+from drystone.assessment.mechanism.shapes import activation_row
 from drystone.common.arrays import Array
 from drystone.model.loading import Acting
 from drystone.model.loading.dead_forces import DeadForces
@@ -17,16 +19,22 @@ from drystone.results.curve import STATIC, CapacityCurve
 
 
 def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
-    """Share of the work of the load that lifts no weight, from the start to the first jump or the
-    end; None where ties or springs take part of it, or the load does no work.  What bonds take
-    before they break, and joints store, is next to nothing."""
-    if model.ties or curve.poses is None:
+    """Share of the work of the load that lifts no weight, from the start to the first jump, to the
+    end, or to where the structure bears more than at its first peak.
+
+    None where ties, springs or crushing take part of it, or the load does no work.  What bonds take
+    before they break, and joints store, is next to nothing.
+    """
+    crushed = any(math.isfinite(law.compressive_strength) for law in model.assembly.laws)
+    if model.ties or crushed or curve.poses is None:
         return None
+    top = curve.points[activation_row(curve)]
     acting = Acting.of(model.assembly, model.load, model.dead_loads)
     dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
     done, lifted = 0.0, 0.0
     for before, after in pairwise(curve.points):
-        if after.status != STATIC or after.jumped:
+        higher = after.step > top.step and after.load_multiplier > top.load_multiplier
+        if after.status != STATIC or after.jumped or higher:
             break
         poses = curve.poses[before.step], curve.poses[after.step]
         field = chord(model.assembly, *poses)

@@ -93,9 +93,9 @@ def sudden_loss(capacity: Capacity) -> float | None:
     if end is None:
         return None
     last = min(int(np.searchsorted(d, end)), len(d) - 1)
-    for i in range(int(capacity.peak_index), last):
+    for i in range(last):
         within = slice(i, int(np.searchsorted(d, d[i] + SUDDEN * end, side="right")))
-        if a[i] - a[within].min() > LOST * a.max():
+        if a[i] - a[within].min() > LOST * a[: i + 1].max():
             return float(d[i])
     return None
 

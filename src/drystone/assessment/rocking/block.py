@@ -71,11 +71,16 @@ def peak_slope(capacity: Capacity) -> float:
     end = capacity.spectral_collapse_displacement
     if end is not None and end > d[-1]:
         d, a = np.append(d, end), np.append(a, 0.0)
-    start = float(d[int(np.argmax(a))])
-    stop = drop_point(d, a, SLOPE_DOWN_TO)
+    top = capacity.activation_index
+    higher = np.flatnonzero(a[top:] > a[top])  # what bears more later is another mechanism
+    end = top + int(higher[0]) if len(higher) else len(a)
+    d, a = d[top:end], a[top:end]
+    start, lowest = float(d[0]), int(np.argmin(a))
+    falls_far = not len(higher) or a[lowest] <= SLOPE_DOWN_TO * a[0]
+    stop = drop_point(d, a, SLOPE_DOWN_TO) if falls_far else float(d[lowest])
     x = np.linspace(start, stop, N_SLOPE)
     _, line, _ = np.polyfit((x - start) / (stop - start), np.interp(x, d, a), 2)
     slope = -float(line) / (stop - start)
     if slope <= 0.0:  # a rounded peak: the chord
-        slope = (float(a.max()) * (1.0 - SLOPE_DOWN_TO)) / (stop - start)
+        slope = float(a[0] - np.interp(stop, d, a)) / (stop - start)
     return slope

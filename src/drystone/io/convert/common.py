@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,20 @@ STRATEGY = {
     "balance_tolerance": "difference of multipliers that counts as equal",
     "patience": "steps neither in nor nearing balance that mean the peak",
 }
+
+
+#: Keys of [joint] that no file has, and what they are by default.
+YIELDS = (
+    "tensile_fracture_energy",
+    "shear_fracture_energy",
+    "residual_friction_coefficient",
+    "residual_slip",
+    "compressive_strength",
+    "compressive_fracture_energy",
+    "greatest_closure",
+    "logarithmic_closure",
+)
+DRY = {declared.name: declared.default for declared in fields(JointLaw)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +119,20 @@ def strategy_notes(model: Model, program: str) -> list[str]:
     left_out = [key for key in model.analysis.options if key not in known]
     if left_out:
         notes.append(f"settings that {program} has no use for were left out: {', '.join(left_out)}")
+    return notes + _physics_notes(model, program)
+
+
+def _physics_notes(model: Model, program: str) -> list[str]:
+    """What the model has, and the file has not."""
+    laws = {law for law in model.assembly.laws if law.yields}
+    unlike = sorted({key for law in laws for key in YIELDS if getattr(law, key) != DRY[key]})
+    notes = []
+    if unlike:
+        notes.append(f"the file's joints neither soften nor crush: {', '.join(unlike)} left out")
+    if any(block.held for block in model.assembly.blocks):
+        notes.append("rollers (held) were left out: those blocks are free to move")
+    if model.history is not None:
+        notes.append("the history of displacements was left out: the load only grows")
     return notes
 
 

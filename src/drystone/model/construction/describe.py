@@ -47,10 +47,12 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         for block in assembly.blocks
     ]
     data |= _acting(model)
+    control = model.control_point
+    chosen = {"block": assembly.blocks[control.block].id, "point": control.point.tolist()}
     data["control"] = {
-        "block": assembly.blocks[model.control_point.block].id,
-        "point": model.control_point.point.tolist(),
-        "direction": model.control_point.direction.tolist(),
+        # One that nobody has named may still move to a block that falls: see `analysis.driver`.
+        **({} if control.default else chosen),
+        "direction": control.direction.tolist(),
         **({} if model.history is None else {"history": list(model.history.targets)}),
     }
     data["analysis"] = _asked(model.analysis)
