@@ -137,7 +137,10 @@ def secant_participation(curve: CapacityCurve, model: Model, row: int) -> Partic
     """Participation of all blocks by their displacements since the load began."""
     poses = _poses(curve)
     present = _present(curve, model, row)
-    moved = motion.translations(poses[row]) - motion.translations(poses[0])
+    before, after = (
+        motion.translations(pose) + _centres_of_masses(model, pose) for pose in poses[[0, row]]
+    )
+    moved = after - before
     d = curve.points[row].control_displacement - curve.points[0].control_displacement
     if not d > 0.0:
         raise AssessmentError("there is no secant where nothing has moved yet")
@@ -242,9 +245,16 @@ def _carried_at(model: Model, pose: Array | None) -> Array:
 
 def _of_masses(model: Model, field: VelocityField, pose: Array | None) -> VelocityField:
     """The field at the common centres of the blocks and of what they carry."""
+    return field.carried_to(field.place + _centres_of_masses(model, pose))
+
+
+def _centres_of_masses(model: Model, pose: Array | None) -> Array:
+    """Common centres of the blocks and of what they carry, from the blocks' centroids, (n, dim)
+    [m]."""
     assembly, mass = model.assembly, np.maximum(_masses(model), TINY)
     share = np.where(assembly.fixed, 0.0, 1.0 - assembly.weight / GRAVITY / mass)
-    return field.carried_to(field.place + share[:, None] * _carried_at(model, pose))
+    centres: Array = share[:, None] * _carried_at(model, pose)
+    return centres
 
 
 def _kinetic_ratio(

@@ -10,6 +10,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from drystone.model.assembly import Assembly, Block
+from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.errors import ModelError
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
@@ -48,10 +49,12 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     ]
     data |= _acting(model)
     control = model.control_point
+    usual = choose_control_point(assembly, model.load_along)
+    # One that nobody has named may still move to a block that falls: see `analysis.driver`.
+    unnamed = control.default and control.block == usual.block
     chosen = {"block": assembly.blocks[control.block].id, "point": control.point.tolist()}
     data["control"] = {
-        # One that nobody has named may still move to a block that falls: see `analysis.driver`.
-        **({} if control.default else chosen),
+        **({} if unnamed else chosen),
         "direction": control.direction.tolist(),
         **({} if model.history is None else {"history": list(model.history.targets)}),
     }
