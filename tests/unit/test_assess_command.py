@@ -15,6 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
+from builders import stack
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
@@ -34,27 +35,6 @@ FLAGS = (
     *("--ag", "0.172", "--F0", "2.458", "--TC-star", "0.285", "--soil", "B"),
     *("--topography", "T1"),
 )
-SINKING = """
-dimension = 2
-thickness = 1.0
-[material.stone]
-unit_weight = 20e3
-[joint]
-friction_coefficient = 0.5
-normal_stiffness = 1e9
-shear_stiffness = 1e9
-[[block]]
-id = "base"
-vertices = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
-support = true
-[[block]]
-id = "b"
-vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 1.0], [-0.2, 1.0]]
-[settlement]
-blocks = ["base"]
-direction = [0.0, -1.0]
-max = 0.01
-"""
 #: What scripts rely on.
 KEYS = {
     "method",
@@ -684,7 +664,8 @@ def test_the_outward_curve_has_what_happened_up_to_each_point(cyclic):
 def test_supports_that_move_are_not_assessed(tmp_path):
     """It is said before anything is traced."""
     path = tmp_path / "model.toml"
-    path.write_text(SINKING)
+    sinks = ds.Settlement(blocks=("base",), direction=(0.0, -1.0), max=0.01)
+    write_model(stack((0.4, 1.0)).with_settlement(sinks), path)
     done = CliRunner().invoke(app, ["assess", str(path), *FLAGS, "--out", str(tmp_path / "out")])
     assert done.exit_code == 2 and "give a [load] to assess" in done.output
     assert not (tmp_path / "out").exists()

@@ -101,11 +101,15 @@ STRATEGIES = ("displacement", "published")
 
 #: Names of the settings of an analysis that are no conditions under which it stops.
 SETTINGS = {
-    field.name
-    for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
-    for field in fields(cls)
+    "mechanism_displacement",
+    *SITTING,
+    *(
+        key.name
+        for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
+        for key in fields(cls)
+        if key.name not in ("stops", "farthest")
+    ),
 }
-SETTINGS = (SETTINGS - {"stops", "farthest"}) | {"mechanism_displacement", *SITTING}
 
 #: Blocks up to which states are kept in the result by default: at 500, some 0.4 MB a point.
 MOST_KEPT = 500

@@ -26,7 +26,7 @@ from drystone.limit.non_associative import (
     strength_violation,
 )
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
-from drystone.model.assembly import Assembly
+from drystone.model.assembly import Assembly, crushes
 from drystone.model.loading import MassPattern
 from drystone.model.model import Model
 
@@ -477,8 +477,7 @@ def _unstable(equilibrium: Equilibrium, flow: str, velocity: Array) -> Collapse:
 
 def _strengths(assembly: Assembly) -> str:
     """What joints may have too little of."""
-    crushed = any(np.isfinite(law.compressive_strength) for law in assembly.laws)
-    return "friction or compressive strength" if crushed else "friction"
+    return "friction or compressive strength" if crushes(assembly.laws) else "friction"
 
 
 def _without(

@@ -60,10 +60,15 @@ class Corner:
 RESTRAINED_MASS = 1e14
 
 
+def crushes(laws: Sequence[JointLaw]) -> bool:
+    """Whether joints of any law are crushed."""
+    return any(Yielding.CRUSH.of(law) for law in laws)
+
+
 def usual_points(dimension: int, laws: Sequence[JointLaw]) -> int:
     """Contact points of an interface where nothing is said, of structures with these joints."""
     kind = dimension_of(dimension)
-    crushed = any(Yielding.CRUSH.of(law) for law in laws)
+    crushed = crushes(laws)
     return kind.points_if_crushed if crushed else kind.points
 
 

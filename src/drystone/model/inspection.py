@@ -15,6 +15,7 @@ from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.construction.words import FEW, listed, millimetres, quoted
 from drystone.model.loading import ModalPattern, masses_of
 from drystone.model.model import Model
+from drystone.model.ties import Bars
 
 #: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
 LONGEST_BLOCK, LIGHTEST, HEAVIEST = 50.0, 1e3, 115e3
@@ -214,8 +215,7 @@ def _floating(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArr
     nothing."""
     assembly, touching = model.assembly, packed.touching(p, q)
     moving = model.settlement.rows(assembly) if model.settlement else None
-    tied = [[end.row(assembly, moving) for end in (t.start, t.end)] for t in model.ties]
-    ends = np.array(tied, np.int64).reshape(-1, 2)
+    ends = Bars.of(assembly, model.ties, moving).body
     a = np.concatenate((packed.body[p[touching]], ends[:, 0]))
     b = np.concatenate((packed.body[q[touching]], ends[:, 1]))
     n = assembly.n_bodies

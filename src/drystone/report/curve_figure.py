@@ -327,9 +327,10 @@ def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
 
 def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     """The ultimate displacement, or where and why the curve breaks off before."""
-    ultimate = curve.ultimate_displacement
+    ultimate, last = curve.ultimate_displacement, curve.points[-1]
     if ultimate is not None and curve.ends_in_motion:
-        x, y = ultimate * unit.per_metre, curve.at_rest[-1].load_multiplier
+        last = curve.at_rest[-1]
+        x, y = ultimate * unit.per_metre, last.load_multiplier
         text, label = f"collapses at\n{length_text(ultimate)}", "ultimate displacement"
         marker, face = "D", canvas.INK
     elif ultimate is not None:
@@ -337,7 +338,6 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         text, label = f"{length_text(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
         marker, face = "D", canvas.INK
     else:
-        last = curve.points[-1]
         x, y = last.control_displacement * unit.per_metre, last.load_multiplier
         text, label = f"ends at\n{length_text(last.control_displacement)}", f"curve {curve.status}"
         marker, face = "X", canvas.CURVE_COLOURS[1]
@@ -352,8 +352,7 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         zorder=6,
         clip_on=False,
     )
-    last = curve.at_rest[-1] if curve.ends_in_motion else curve.points[-1]
-    if last is curve.capacity and (ultimate is None or curve.ends_in_motion):
+    if last is curve.capacity:
         return  # what is written at the peak says where that is
     axes.annotate(
         text,

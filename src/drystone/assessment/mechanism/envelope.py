@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assessment.errors import UnfinishedError
 from drystone.common.arrays import Array
 from drystone.common.language import say
-from drystone.results.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.results.curve import STATIC, CapacityCurve
 from drystone.results.events import first_collapse
 
 #: A branch that has come down to this share of the peak is drawn on to a multiplier of zero.
@@ -93,8 +93,7 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
         i = top + int(down[0])
         share = x[i - 1] / (x[i - 1] - x[i])
         return float(d[i - 1] + share * (d[i] - d[i - 1])), False, ""
-    falls = curve.status == FINISHED and curve.points[-1].status == DYNAMIC
-    if falls or curve.ended_by is not None:
+    if curve.ends_in_motion or curve.ended_by is not None:
         event = curve.ended_by or first_collapse(curve.events)
         there = {"place": float(d[-1]), "multiplier": float(x[-1])}
         if event is None:

@@ -17,7 +17,6 @@ from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_block
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import said_end, say
-from drystone.common.tolerances import TINY
 from drystone.geometry import motion
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import masses_of
@@ -137,14 +136,12 @@ def secant_participation(curve: CapacityCurve, model: Model, row: int) -> Partic
     """Participation of all blocks by their displacements since the load began."""
     poses = _poses(curve)
     present = _present(curve, model, row)
-    before, after = (
-        motion.translations(pose) + _centres_of_masses(model, pose) for pose in poses[[0, row]]
-    )
-    moved = after - before
+    first, last = (_Masses.of(model, pose) for pose in poses[[0, row]])
+    moved = motion.translations(poses[row] - poses[0]) + last.centre - first.centre
     d = curve.points[row].control_displacement - curve.points[0].control_displacement
     if not d > 0.0:
         raise AssessmentError("there is no secant where nothing has moved yet")
-    return participation(_masses(model)[present], (moved @ model.load_along)[present] / d)
+    return participation(last.mass[present], (moved @ model.load_along)[present] / d)
 
 
 def course_of(curve: CapacityCurve, model: Model, rows: Sequence[int] | None = None) -> Course:
@@ -207,85 +204,70 @@ def _shape(
     labels = find_macro_blocks(assembly, field, direction, departed=~present)
     if not (labels >= 0).any():
         raise AssessmentError(say("refused.none_moves"))
-    mass, delta = _masses(model), _of_masses(model, field, turned).along(direction)
+    masses = _Masses.of(model, turned)
+    mass, delta = masses.mass, masses.velocity(field) @ direction
     moving = labels >= 0
     whole = np.bincount(labels[moving], weights=mass[moving])
     mean = np.bincount(labels[moving], weights=(mass * delta)[moving]) / whole
-    kinetic = _kinetic_mass(model, field, moving, turned)
+    kinetic = masses.kinetic(model, field, turned)
+    of_moving = float(kinetic[moving].sum())
+    # c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move.
+    momentum, of_all = float(mass[present] @ delta[present]), float(kinetic[present].sum())
+    ratio = momentum**2 / (float(mass[present].sum()) * of_all)
     return MechanismShape(
         field=field,
         labels=labels,
         delta=delta,
         mass=mass,
-        bodies=participation(whole, mean, kinetic),
-        blocks=participation(mass[moving], delta[moving], kinetic),
-        kinetic_ratio=_kinetic_ratio(model, field, present, turned),
+        bodies=participation(whole, mean, of_moving),
+        blocks=participation(mass[moving], delta[moving], of_moving),
+        kinetic_ratio=ratio,
         torsion=_torsion(assembly, field, direction, moving),
         clause=how,
     )
 
 
-def _masses(model: Model) -> Array:
-    """Of the blocks with what they carry, (n,) [kg]; zero of supports."""
-    carried = masses_of(model.assembly, tuple(model.dead_loads))
-    return carried.weights(model.assembly) / GRAVITY
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Masses:
+    """Masses of the blocks with what they carry; zero of supports."""
 
+    mass: Array  # (n,) kg, of both together
+    centre: Array  # (n, dim) m, their common centre, from the block's centroid
+    carried_at: Array  # (n, dim) m, where what it carries lies, likewise
+    reduced: Array  # (n,) kg, m1 m2/(m1 + m2): with its arm squared their inertia about `centre`
 
-def _carried_at(model: Model, pose: Array | None) -> Array:
-    """From the blocks' centroids to where what they carry lies, (n, dim) [m]; zeros where they
-    carry nothing.  In poses, if any."""
-    assembly = model.assembly
-    carried = masses_of(assembly, tuple(model.dead_loads))
-    if carried.weight is None or carried.moment is None:
-        return np.zeros_like(assembly.centroid)
-    weight = carried.weight[:, None]
-    arm = np.divide(carried.moment, weight, out=np.zeros_like(carried.moment), where=weight > 0.0)
-    return arm if pose is None else motion.rotated(arm, pose)
+    @classmethod
+    def of(cls, model: Model, pose: Array | None = None) -> _Masses:
+        """As designed, or in poses (n, n_pose)."""
+        assembly = model.assembly
+        carried = masses_of(assembly, tuple(model.dead_loads))
+        mass = carried.weights(assembly) / GRAVITY
+        if carried.weight is None or carried.moment is None:
+            nowhere = np.zeros_like(assembly.centroid)
+            return cls(mass=mass, centre=nowhere, carried_at=nowhere, reduced=np.zeros_like(mass))
+        weight = np.where(assembly.fixed, 0.0, carried.weight)
+        share = np.divide(weight / GRAVITY, mass, out=np.zeros_like(mass), where=mass > 0.0)
+        arm = np.zeros_like(carried.moment)
+        np.divide(carried.moment, weight[:, None], out=arm, where=weight[:, None] > 0.0)
+        if pose is not None:
+            arm = motion.rotated(arm, pose)
+        reduced = share * assembly.mass[:, 0]
+        return cls(mass=mass, centre=share[:, None] * arm, carried_at=arm, reduced=reduced)
 
+    def velocity(self, field: VelocityField) -> Array:
+        """Of the common centres in a field of the centroids, (n, dim)."""
+        return field.carried_to(field.place + self.centre).velocity
 
-def _of_masses(model: Model, field: VelocityField, pose: Array | None) -> VelocityField:
-    """The field at the common centres of the blocks and of what they carry."""
-    return field.carried_to(field.place + _centres_of_masses(model, pose))
-
-
-def _centres_of_masses(model: Model, pose: Array | None) -> Array:
-    """Common centres of the blocks and of what they carry, from the blocks' centroids, (n, dim)
-    [m]."""
-    assembly, mass = model.assembly, np.maximum(_masses(model), TINY)
-    share = np.where(assembly.fixed, 0.0, 1.0 - assembly.weight / GRAVITY / mass)
-    centres: Array = share[:, None] * _carried_at(model, pose)
-    return centres
-
-
-def _kinetic_ratio(
-    model: Model, field: VelocityField, present: BoolArray, pose: Array | None
-) -> float:
-    """c = (sum m v_s)^2/(sum m sum (m |v|^2 + w J w)) of all blocks that may move."""
-    mass, own = _masses(model)[present], _of_masses(model, field, pose)
-    momentum = float(mass @ own.along(model.load_along)[present])
-    return momentum**2 / (float(mass.sum()) * _kinetic_mass(model, field, present, pose))
-
-
-def _kinetic_mass(
-    model: Model, field: VelocityField, which: BoolArray, pose: Array | None
-) -> float:
-    """sum (m |v|^2 + w J w) [kg] of blocks (n,) with what they carry."""
-    assembly, spin = model.assembly, field.spin
-    carried = masses_of(assembly, tuple(model.dead_loads)).weights(assembly) - assembly.weight
-    # What a block carries turns with it about their common centre.
-    arm = _carried_at(model, pose)
-    apart = motion.across(spin, arm)
-    own = np.maximum(_masses(model), TINY)
-    reduced = np.where(assembly.fixed, 0.0, assembly.mass[:, 0] * carried / GRAVITY / own)
-    axes = assembly.axes
-    if pose is not None:
-        n_axes = axes.shape[2]
-        axes = np.stack([motion.rotated(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
-    spin = motion.about_own_axes(spin, axes)
-    straight = _masses(model)[:, None] * _of_masses(model, field, pose).velocity ** 2
-    straight += reduced[:, None] * apart**2
-    turning = motion.rotations(assembly.mass) * spin**2
-    return float(straight[which].sum() + turning[which].sum())
+    def kinetic(self, model: Model, field: VelocityField, pose: Array | None) -> Array:
+        """m |v|^2 + w J w of each block with what it carries, (n,) [kg]."""
+        axes, spin = model.assembly.axes, field.spin
+        if pose is not None:
+            n_axes = axes.shape[2]
+            axes = np.stack([motion.rotated(axes[:, :, k], pose) for k in range(n_axes)], axis=2)
+        straight = self.mass[:, None] * self.velocity(field) ** 2
+        straight += self.reduced[:, None] * motion.across(spin, self.carried_at) ** 2
+        turning = motion.rotations(model.assembly.mass) * motion.about_own_axes(spin, axes) ** 2
+        return np.asarray(straight.sum(axis=1) + turning.sum(axis=1))
 
 
 def _torsion(

@@ -6,12 +6,12 @@ slide, friction takes the work, and the multiplier stays until they fall off wha
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 from drystone.assessment.mechanism.field import VelocityField, chord
 from drystone.assessment.mechanism.shapes import activation_row
 from drystone.common.arrays import Array
+from drystone.model.assembly import crushes
 from drystone.model.loading import Acting
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.model import Model
@@ -25,8 +25,7 @@ def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
     None where ties, springs or crushing take part of it, or the load does no work.  What bonds take
     before they break, and joints store, is next to nothing.
     """
-    crushed = any(math.isfinite(law.compressive_strength) for law in model.assembly.laws)
-    if model.ties or crushed or curve.poses is None:
+    if model.ties or crushes(model.assembly.laws) or curve.poses is None:
         return None
     top = curve.points[activation_row(curve)]
     acting = Acting.of(model.assembly, model.load, model.dead_loads)

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from drystone.assessment.capacity import READINGS, Capacity
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
@@ -22,7 +20,6 @@ from drystone.assessment.mechanism.shapes import (
 )
 from drystone.assessment.mechanism.sliding import share_of_friction
 from drystone.common.language import Saying, said_end, say
-from drystone.geometry import motion
 from drystone.model.loading.base import masses_of
 from drystone.model.model import Model
 from drystone.results.curve import FINISHED, CapacityCurve
@@ -162,10 +159,7 @@ def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str
     forces, field = pattern.forces(assembly, masses), shape.field
     present = shape.mass > 0.0
     work = float((forces.force * field.velocity)[present].sum())
-    if forces.lever is not None:  # of forces beside the centroids
-        for axis, lever in enumerate(forces.lever.swapaxes(0, 1)):
-            unit = np.broadcast_to(np.eye(assembly.dimension)[axis], lever.shape)
-            work += float((lever * motion.across(field.spin, unit))[present].sum())
+    work += float((forces.moments() * field.spin)[present].sum())
     own = float(masses.weights(assembly)[present] @ shape.delta[present])
     if not work > 0.0:
         raise AssessmentError(say("refused.no_work", name=pattern.name))

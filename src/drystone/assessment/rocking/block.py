@@ -68,9 +68,9 @@ def equivalent_block(capacity: Capacity) -> RockingBlock:
 def peak_slope(capacity: Capacity) -> float:
     """-da*/dd* [1/s2] just past the peak: of a parabola through the curve down to 0.7 of it."""
     d, a = capacity.spectral_displacement, capacity.spectral_acceleration
-    end = capacity.spectral_collapse_displacement
-    if end is not None and end > d[-1]:
-        d, a = np.append(d, end), np.append(a, 0.0)
+    collapse = capacity.spectral_collapse_displacement
+    if collapse is not None and collapse > d[-1]:
+        d, a = np.append(d, collapse), np.append(a, 0.0)
     top = capacity.activation_index
     higher = np.flatnonzero(a[top:] > a[top])  # what bears more later is another mechanism
     end = top + int(higher[0]) if len(higher) else len(a)

@@ -119,14 +119,13 @@ def strategy_notes(model: Model, program: str) -> list[str]:
     left_out = [key for key in model.analysis.options if key not in known]
     if left_out:
         notes.append(f"settings that {program} has no use for were left out: {', '.join(left_out)}")
-    return notes + _physics_notes(model, program)
+    return notes + _physics_notes(model)
 
 
-def _physics_notes(model: Model, program: str) -> list[str]:
+def _physics_notes(model: Model) -> list[str]:
     """What the model has, and the file has not."""
-    laws = {law for law in model.assembly.laws if law.yields}
-    unlike = sorted({key for law in laws for key in YIELDS if getattr(law, key) != DRY[key]})
-    notes = []
+    laws, notes = model.assembly.laws, []
+    unlike = [key for key in YIELDS if any(getattr(law, key) != DRY[key] for law in laws)]
     if unlike:
         notes.append(f"the file's joints neither soften nor crush: {', '.join(unlike)} left out")
     if any(block.held for block in model.assembly.blocks):

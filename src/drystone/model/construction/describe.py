@@ -49,9 +49,9 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     ]
     data |= _acting(model)
     control = model.control_point
-    usual = choose_control_point(assembly, model.load_along)
     # One that nobody has named may still move to a block that falls: see `analysis.driver`.
-    unnamed = control.default and control.block == usual.block
+    usual = choose_control_point(assembly, model.load_along) if control.default else None
+    unnamed = usual is not None and control.block == usual.block
     chosen = {"block": assembly.blocks[control.block].id, "point": control.point.tolist()}
     data["control"] = {
         **({} if unnamed else chosen),
