@@ -7,9 +7,9 @@ The unknowns of a step are the increments x of the poses and the multiplier.  Th
 with the unbalanced forces R of `statics.static_step`, evaluated where the step ends, and c the
 prescribed displacement.  In the plane the changes of contacts are followed first
 (`statics.plane.piecewise`); otherwise, and in space, an interior-point method finds them
-(`statics.interior`).  The time step in R is so long that
-inertia only regularises the matrix where blocks are loose.  With a short time step, a step says
-where inertia takes blocks that have no equilibrium nearby.
+(`statics.interior`).  The time step in R is so long that inertia only regularises the matrix where
+blocks are loose.  With a short time step, a step says where inertia takes blocks that have no
+equilibrium nearby.
 """
 
 from __future__ import annotations
