@@ -62,7 +62,7 @@ def code_blocks(text: str) -> list[CodeBlock]:
     return found
 
 
-def agrees(shown: str, printed: str, tolerance: float = 0.05) -> bool:
+def agrees(shown: str, printed: str, tolerance: float = 0.02) -> bool:
     """Whether a printed line is the one shown: words alike, numbers within a share of themselves.
 
     Three dots stand for anything.
