@@ -313,7 +313,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return share * state.increment
         bend, share = report.path.bend
         hidden = bend > s.bend_share * scale
-        if hidden and least < share * state.increment < tolerances.ALL_BUT * state.increment:
+        if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         return self._straighter(state, report, scale)
 

@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.common.arrays import Array, IntArray
-from drystone.contact.contacts import INTACT, NONE, PAIR, SLOT, Pairs, Slots
+from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.contact.contacts import (
+    EDGE_A,
+    EDGE_B,
+    INTACT,
+    KIND,
+    NONE,
+    PAIR,
+    SLOT,
+    Pairs,
+    Slots,
+)
 from drystone.contact.histories import Histories, handed_on
 from drystone.geometry.rotation import all_axes, difference
 from drystone.law import space as space_law
@@ -68,7 +78,9 @@ class SpaceStep(StaticStep):
         carried = np.bincount(self.which[:n, PAIR], pushes, minlength=pairs.n_pairs)
         # A pair with intact bonds was in contact before.
         intact = np.bincount(self.which[:n, PAIR], self.table[:n, INTACT], pairs.n_pairs)
-        anew = ((pressed > self.accuracy.pressed + 2.0 * carried) & (intact == 0.0))[pairs.of_slot]
+        anew = pressed > self.accuracy.pressed + 2.0 * carried
+        anew |= (carried > self.accuracy.pressed) & self._held_falsely()
+        anew = (anew & (intact == 0.0))[pairs.of_slot]
         if not anew.any():
             return False
         branch = self.by_slot(self.branch)
@@ -89,6 +101,23 @@ class SpaceStep(StaticStep):
         self.history_before[anew], branch[anew] = heirs.history[anew], heirs.branch[anew]
         self._begin_again(self.slots, branch)
         return True
+
+    def _held_falsely(self) -> BoolArray:
+        """Pairs (n_pairs,) that are pressed deeper on faces that were followed than they overlap.
+
+        Blocks that were one beside the other, with an edge on an edge, where the step began may be
+        one on the other where it ends.
+        """
+        pairs, n, faces = self.pairs, self.n, slice(EDGE_A, EDGE_B + 1)
+        known, found = self.known.which, self.found.which
+        others = (known[:, faces] != found[:, faces]).any(axis=1) & (found[:, KIND] != NONE)
+        of_slot = pairs.of_slot
+        turned = np.bincount(of_slot, others, pairs.n_pairs) > 0.0
+        depth, overlap = np.zeros((2, pairs.n_pairs))
+        pushes = self.reaction[:n, 0] > 0.0
+        np.maximum.at(depth, self.which[:n, PAIR][pushes], -self.gaps()[pushes])
+        np.maximum.at(overlap, of_slot, np.where(found[:, KIND] != NONE, -self.found.gap, 0.0))
+        return turned & (depth > overlap + self.accuracy.depth)
 
     def _crushed(self) -> Array:
         """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
