@@ -7,17 +7,18 @@ multiplier from the pose alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import drystone as ds
 import solids
 from drystone.limit import collapse_load, limits_beside
-from drystone.model.loading import Acting, masses_of
-from drystone.model.loading.modal import first_mode
+from drystone.model.loading import NO_MASSES, Acting, masses_of
+from drystone.model.loading.modal import first_mode, mass_matrices
 from lmgc90_here import needs_lmgc90
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
@@ -120,6 +121,7 @@ ECCENTRIC = ds.ForceLoad(
     block="b0", point=np.array(POINT), force=np.array([0.0, -LOAD]), mass=False
 )
 HEAVY = ds.ForceLoad(block="b0", point=np.array(POINT), force=np.array([0.0, -LOAD]), mass=True)
+ON_TOP = replace(HEAVY, point="top")
 HELD = ds.ForceLoad(
     block="b0", point=np.array([0.0, 0.8]), force=np.array([-200.0, -100.0]), mass=False
 )
@@ -163,6 +165,15 @@ CASES = {
     "load with mass": (
         column(dead=(HEAVY,)),
         [*weights(1), At(1, POINT, (0.0, -LOAD)), At(1, POINT, (LOAD, 0.0), scaled=True)],
+    ),
+    "triangular and load with mass": (
+        # Heights 1/2 and 1, of mean (0.5 + 0.6)/1.6 = 11/16 by weight.
+        column(load=ds.TriangularPattern(direction=RIGHT), dead=(HEAVY,)),
+        [
+            *weights(1, (8.0 / 11.0,)),
+            At(1, POINT, (0.0, -LOAD)),
+            At(1, POINT, (16.0 / 11.0 * LOAD, 0.0), scaled=True),
+        ],
     ),
     "tilt and load": (
         column(load=ds.TiltPattern(direction=RIGHT), dead=(HELD,)),
@@ -328,6 +339,12 @@ class TestLimitAnalysis:
         # Before it rocks on one vertex a joint of 1e9 Pa/m turns by 1e-4, over slopes of up to 3.
         assert curve.peak.load_multiplier == pytest.approx(rigid, abs=2e-3)
 
+    def test_load_with_mass_in_space(self):
+        """As in the plane: the force of the mass is where the load acts."""
+        model, _ = CASES["triangular and load with mass"]
+        plane, space = (collapse_load(m, flow="associative") for m in (model, ds.extruded(model)))
+        assert space.load_multiplier == pytest.approx(plane.load_multiplier, rel=1e-6)
+
     def test_cohesion_counts_more_on_a_table(self):
         """Sliding with cohesion c: x W / s = mu W / s + c A, s = sqrt(1 + x^2)."""
         weight, area, cohesion = WEIGHT * 2.0 / WIDTH, 2.0 * THICKNESS, 3e3
@@ -398,6 +415,55 @@ class TestModal:
             assert mode.participation == pytest.approx(share[best], rel=1e-9)
         else:  # contact points are taken in a little: less stiff against turning
             assert points == pytest.approx(np.sqrt(square[best]), rel=0.3)
+
+    def test_mass_moves_where_it_lies(self):
+        """As above with a mass m1 at the top, which moves by u - h/2 t and adds m1 h^2/4 to J."""
+        k, half = 1e9, 0.5 * HEIGHT
+        model = column(stiffness=k, load=ds.ModalPattern(direction=RIGHT), dead=(ON_TOP,))
+        mass, more = WEIGHT / 9.81, LOAD / 9.81
+        inertia = mass * (WIDTH**2 + HEIGHT**2) / 12.0
+        matrix = np.array([[mass + more, -more * half], [-more * half, inertia + more * half**2]])
+        stiffness = np.array([[1.0, half], [half, half**2 + (0.5 * WIDTH) ** 2]])
+        square, shapes = eigh(k * WIDTH * THICKNESS * stiffness, matrix)
+        share = (shapes.T @ matrix[0]) ** 2 / (mass + more)
+        best = int(np.argmax(share))
+        masses = masses_of(model.assembly, model.dead_loads)
+        mode = first_mode(model.assembly, RIGHT, masses)
+        assert mode.frequency * 2.0 * np.pi == pytest.approx(np.sqrt(square[best]), rel=1e-9)
+        assert mode.participation == pytest.approx(share[best], rel=1e-9)
+        # Forces are as masses times displacements; that of the second acts at the top.
+        u, t = shapes[:, best]
+        force = np.array([WEIGHT * u, LOAD * (u - half * t)])
+        force *= (WEIGHT + LOAD) / force.sum()
+        acting = Acting.of(model.assembly, model.load, model.dead_loads).pattern
+        assert acting.force[1] == pytest.approx([WEIGHT + LOAD, 0.0])
+        assert acting.moments()[1, 0] == pytest.approx(-half * force[1], rel=1e-9)
+
+    @pytest.mark.parametrize("space", [False, True])
+    def test_kinetic_energy_is_that_of_the_masses(self, space):
+        """Of a small motion x M x has m1 times the square of what its point moves by more."""
+        model = column(dead=(HEAVY,))
+        model = ds.extruded(model) if space else model
+        assembly = model.assembly
+        where = assembly.centroid[1] + masses_of(assembly, model.dead_loads).carried[0].arm[1]
+        motion = 1e-7 * np.random.default_rng(5).standard_normal((2, assembly.n_dof))
+        motion[0] = 0.0
+        pose = assembly.moved(assembly.design_pose(), motion)
+        way = assembly.displacement_at(1, where, pose)
+        with_it, alone = (
+            motion[1] @ mass_matrices(assembly, masses)[1] @ motion[1]
+            for masses in (masses_of(assembly, model.dead_loads), NO_MASSES)
+        )
+        # Of an angle of 1e-7 the square is left out.
+        assert with_it - alone == pytest.approx(LOAD / 9.81 * (way @ way), rel=1e-6)
+
+    def test_mode_is_found_anew_for_a_mass_elsewhere(self):
+        """Of the same weight; what is known goes by where it lies too."""
+        load = ds.ModalPattern(direction=RIGHT)
+        assembly, periods = column().assembly, []
+        for dead in (HEAVY, replace(HEAVY, point=np.array([0.2, 0.0]))):
+            periods.append(load.mode(assembly, masses_of(assembly, (dead,))).period)
+        assert periods[0] > 1.1 * periods[1]
 
     def test_forces_go_with_the_mode(self):
         """Mass times the mode's displacement, of the whole weight in all."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, Self
 
@@ -19,11 +19,26 @@ from drystone.model.scale import Scale
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class CarriedMasses:
+    """Masses of one dead load as weights, one on each block that carries it."""
+
+    weight: Array  # (n,) N
+    moment: Array  # (n, dim) N m, of the weights, with arms from the centroids
+
+    @property
+    def arm(self) -> Array:
+        """Where they lie, from the centroids, (n, dim) [m]; zero where there is none."""
+        arm, weight = np.zeros_like(self.moment), self.weight[:, None]
+        return np.divide(self.moment, weight, out=arm, where=weight > 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Masses:
     """Masses of dead loads that count in patterns, beside those of the blocks, as weights."""
 
     weight: Array | None = None  # (n,) N; None where there are none
     moment: Array | None = None  # (n, dim) N m, of the weights, with arms from the centroids
+    carried: tuple[CarriedMasses, ...] = ()  # the same, by loads
 
     def forces(self, assembly: Assembly, over_weight: Array) -> DeadForces:
         """Forces of all masses, (n, dim) over the weight at each block's centroid.
@@ -35,6 +50,26 @@ class Masses:
             return DeadForces(force=force)
         lever = self.moment[:, :, None] * over_weight[:, None, :]
         return DeadForces(force=force + self.weight[:, None] * over_weight, lever=lever)
+
+    def forces_in_place(self, assembly: Assembly, over_weight: Sequence[Array]) -> DeadForces:
+        """Forces of all masses, (n, dim) over the weight at each of the `arms`."""
+        own, *others = over_weight
+        sums = DeadForces(force=assembly.weight[:, None] * own)
+        for carried, over in zip(self.carried, others, strict=True):
+            lever = carried.moment[:, :, None] * over[:, None, :]
+            sums = sums + DeadForces(force=carried.weight[:, None] * over, lever=lever)
+        return sums
+
+    def arms(self, assembly: Assembly) -> list[Array]:
+        """Of the blocks' own masses, which is none, and of each dead load, (n, dim) [m]."""
+        return [np.zeros_like(assembly.centroid), *(carried.arm for carried in self.carried)]
+
+    def mean(self, assembly: Assembly, values: Sequence[Array]) -> float:
+        """Of values (n,) at each of the `arms`, by weight; of masses that move alone."""
+        weights = [assembly.weight, *(carried.weight for carried in self.carried)]
+        free = ~assembly.fixed
+        of_all = sum(float(w[free] @ v[free]) for w, v in zip(weights, values, strict=True))
+        return of_all / float(self.weights(assembly).sum())
 
     def weights(self, assembly: Assembly) -> Array:
         """Of the blocks with what they carry, (n,) [N]; zero on supports."""
@@ -204,10 +239,17 @@ def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
     counted = [load.forces(assembly) for load in loads if load.mass]
     if not counted:
         return NO_MASSES
-    sums = sum(counted[1:], counted[0])
-    n, dim = sums.force.shape
-    moment = np.zeros((n, dim)) if sums.lever is None else -(sums.lever @ assembly.up)
-    return Masses(weight=-(sums.force @ assembly.up), moment=moment)
+    all_ = _carried(assembly, sum(counted[1:], counted[0]))
+    each = tuple(_carried(assembly, forces) for forces in counted)
+    return Masses(weight=all_.weight, moment=all_.moment, carried=each)
+
+
+def _carried(assembly: Assembly, forces: DeadForces) -> CarriedMasses:
+    """Masses of what weighs on the blocks."""
+    moment = np.zeros_like(forces.force)
+    if forces.lever is not None:
+        moment = -(forces.lever @ assembly.up)
+    return CarriedMasses(weight=-(forces.force @ assembly.up), moment=moment)
 
 
 def rises(load: DeadLoad, assembly: Assembly, place: str) -> list[str]:

@@ -21,6 +21,7 @@ from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.errors import ModelError
 from drystone.common.names import listed
 from drystone.common.tolerances import BUILT_SHUT
+from drystone.geometry.motion import about_the_world, across, rotations, translations
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
@@ -60,7 +61,7 @@ class Mode:
 class ModalPattern(Directed):
     """Sideways forces in proportion to mass times the mode's displacement along the direction.
 
-    Their sum is the weight of all masses.
+    Their sum is the weight of all masses. That of a dead load moves where the load acts.
     """
 
     name: ClassVar[str] = "modal"
@@ -71,10 +72,12 @@ class ModalPattern(Directed):
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
-        dim, weights = assembly.dimension, masses.weights(assembly)
-        along = self.mode(assembly, masses).shape[:, :dim] @ self.direction
-        share = along * weights.sum() / float(weights @ along)
-        return masses.forces(assembly, share[:, None] * self.direction)
+        shape = self.mode(assembly, masses).shape
+        along = [motion @ self.direction for motion in _motions(assembly, masses, shape)]
+        mean = masses.mean(assembly, along)
+        return masses.forces_in_place(
+            assembly, [(values / mean)[:, None] * self.direction for values in along]
+        )
 
     def towards(self, direction: Array) -> Self:
         """See `LoadPattern`."""
@@ -116,20 +119,19 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
         Nothing vibrates: it is the free motion of blocks that no closed joint ties to a support.
     """
     free = np.flatnonzero(~assembly.fixed)
-    mass = np.array(assembly.mass)
-    mass[:, : assembly.dimension] = masses.weights(assembly)[:, None] / GRAVITY
-    diagonal = mass[free].ravel()
+    mass = mass_matrices(assembly, masses)
     stiffness, loose = _stiffness_at_rest(assembly, masses)
     if not stiffness.count_nonzero():
         raise _free(assembly, loose)
-    square, shapes = _lowest(stiffness, diagonal)
+    square, shapes = _lowest(stiffness, _side_by_side(mass[free]))
     rigid = np.zeros((len(free), assembly.n_dof))
     rigid[:, : assembly.dimension] = direction
-    share = (shapes.T @ (diagonal * rigid.ravel())) ** 2 / float(rigid.ravel() ** 2 @ diagonal)
+    momentum = np.einsum("nij,nj->ni", mass[free], rigid).ravel()
+    share = (shapes.T @ momentum) ** 2 / float(rigid.ravel() @ momentum)
     best = int(np.argmax(share))
     shape = np.zeros((assembly.n_bodies, assembly.n_dof))
     shape[free] = shapes[:, best].reshape(len(free), -1)
-    if float((mass * shape**2)[loose].sum()) > FREE:
+    if float(np.einsum("ni,nij,nj->n", shape, mass, shape)[loose].sum()) > FREE:
         raise _free(assembly, loose)
     along = shape[:, : assembly.dimension] @ direction
     return Mode(
@@ -138,6 +140,40 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
         participation=float(share[best]),
         number=best + 1,
     )
+
+
+def _motions(assembly: Assembly, masses: Masses, shape: Array) -> list[Array]:
+    """Displacements (n, dim) by a field (n, n_dof), of the centroids and of each load's masses."""
+    spin = about_the_world(rotations(shape), assembly.axes)
+    return [translations(shape) + across(spin, arm) for arm in masses.arms(assembly)]
+
+
+def mass_matrices(assembly: Assembly, masses: Masses) -> Array:
+    """Mass matrices of the blocks with what they carry where it lies, (n, n_dof, n_dof).
+
+    A mass m that moves by J x, x being the motion of its block, adds m J^T J.
+    """
+    n, n_dof = assembly.mass.shape
+    mass = np.zeros((n, n_dof, n_dof))
+    each = np.arange(n_dof)
+    mass[:, each, each] = assembly.mass
+    mass[:, each[: assembly.dimension], each[: assembly.dimension]] = (
+        assembly.weight[:, None] / GRAVITY
+    )
+    units = np.broadcast_to(np.eye(n_dof)[:, None, :], (n_dof, n, n_dof))
+    for k, carried in enumerate(masses.carried, start=1):
+        moved = np.stack([_motions(assembly, masses, unit)[k] for unit in units], axis=2)
+        mass += np.einsum("n,nki,nkj->nij", carried.weight / GRAVITY, moved, moved)
+    return mass
+
+
+def _side_by_side(blocks: Array) -> csc_array:
+    """Matrices (n, k, k) as those on the diagonal of one."""
+    from scipy.sparse import bsr_array, csc_array
+
+    n, k, _ = blocks.shape
+    size = n * k
+    return csc_array(bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(size, size)))
 
 
 def _free(assembly: Assembly, loose: IntArray) -> ModelError:
@@ -153,20 +189,17 @@ def _free(assembly: Assembly, loose: IntArray) -> ModelError:
     )
 
 
-def _lowest(stiffness: csc_array, mass: Array) -> tuple[Array, Array]:
+def _lowest(stiffness: csc_array, mass: csc_array) -> tuple[Array, Array]:
     """Squares of circular frequencies [1/s2], ascending, and modes in columns, of mass one."""
     from scipy.linalg import eigh  # scipy takes long to import; other patterns do without
-    from scipy.sparse import diags_array
     from scipy.sparse.linalg import eigsh
 
-    if len(mass) <= ALL_UP_TO:
-        square, shapes = eigh(stiffness.toarray(), np.diag(mass))
+    if mass.shape[0] <= ALL_UP_TO:
+        square, shapes = eigh(stiffness.toarray(), mass.toarray())
         return square, shapes
-    shift = -SHIFT * float((stiffness.diagonal() / mass).mean())
-    start = np.ones(len(mass))  # the same modes in every run
-    square, shapes = eigsh(
-        stiffness, MODES, M=diags_array(mass, format="csc"), sigma=shift, v0=start
-    )
+    shift = -SHIFT * float((stiffness.diagonal() / mass.diagonal()).mean())
+    start = np.ones(mass.shape[0])  # the same modes in every run
+    square, shapes = eigsh(stiffness, MODES, M=mass, sigma=shift, v0=start)
     order = np.argsort(square)
     return square[order], shapes[:, order]
 
@@ -198,10 +231,9 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
     keep = np.flatnonzero(np.repeat(~assembly.fixed, n_dof))
     matrix = csc_array(matrix[:, keep])
     stiff = np.column_stack((table[:, STIFF_N], *[table[:, STIFF_T]] * (dim - 1)))
-    weight = masses.weights(assembly)
-    dead = np.zeros((assembly.n_bodies, n_dof))
-    dead[:, :dim] = -weight[:, None] * assembly.up
-    least = CLOSED * float(weight.sum())
+    falling = np.broadcast_to(-assembly.up, assembly.centroid.shape)
+    dead = masses.forces(assembly, falling).wrenches(assembly)
+    least = CLOSED * float(masses.weights(assembly).sum())
     stiffness, closed = _closed(matrix, stiff, dead.ravel()[keep], bonded, least)
     return stiffness, _loose(assembly, a[closed], b[closed])
 
@@ -257,6 +289,8 @@ def _of(matrix: csc_array, stiff: Array, closed: BoolArray) -> csc_array:
 
 
 def _alike(first: Masses, second: Masses) -> bool:
-    if first.weight is None or second.weight is None:
-        return first.weight is second.weight
-    return np.array_equal(first.weight, second.weight)
+    """Whether the same masses lie at the same places."""
+    return len(first.carried) == len(second.carried) and all(
+        np.array_equal(a.weight, b.weight) and np.array_equal(a.moment, b.moment)
+        for a, b in zip(first.carried, second.carried, strict=True)
+    )

@@ -22,7 +22,8 @@ class TriangularPattern(Directed):
     """Sideways forces F_i = W m_i z_i / sum m_j z_j with the weight W of all masses: EN 1998-1,
     (4.11).
 
-    Heights are those of the blocks' centroids. Blocks below the base have no force.
+    Heights are those of the blocks' centroids, and of dead loads with a mass where they act. What
+    lies below the base has no force.
     """
 
     name: ClassVar[str] = "triangular"
@@ -35,18 +36,20 @@ class TriangularPattern(Directed):
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
-        weights, height = masses.weights(assembly), self.heights(assembly)
-        mean = float((weights * height).sum() / weights.sum())
-        share = height / mean if mean > 0.0 else np.zeros_like(height)
-        return masses.forces(assembly, share[:, None] * self.direction)
+        heights = [self.heights(assembly, arm) for arm in masses.arms(assembly)]
+        mean = masses.mean(assembly, heights)
+        shares = [height / mean if mean > 0.0 else np.zeros_like(height) for height in heights]
+        return masses.forces_in_place(
+            assembly, [share[:, None] * self.direction for share in shares]
+        )
 
-    def heights(self, assembly: Assembly) -> Array:
-        """Of the centroids above the base, (n,) [m]."""
+    def heights(self, assembly: Assembly, arm: Array | float = 0.0) -> Array:
+        """Above the base, (n,) [m], of the centroids or of places at arms (n, dim) from them."""
         base = self.base
         if base is None:
             movable = [block.vertices for block in assembly.blocks if not block.support]
             base = min(float((vertices @ assembly.up).min()) for vertices in movable)
-        return np.maximum(assembly.centroid @ assembly.up - base, 0.0)
+        return np.maximum((assembly.centroid + arm) @ assembly.up - base, 0.0)
 
     def in_frame(self, scale: Scale) -> Self:
         """See `LoadPattern`."""
