@@ -304,6 +304,52 @@ class TestWhatIsWrong:
             'block[2] "b1" parts: part 1: it is not convex: cut it, or give the block as a whole'
         ]
 
+    @pytest.mark.parametrize(
+        ("other", "by"),
+        [
+            ("{ box = [[0, 0, 0.15], [0.8, 0.3, 0.2]] }", "50 mm"),
+            ("{ box = [[0, 0, 0], [0.4, 0.3, 0.2]] }", "200 mm"),  # the same one again
+        ],
+    )
+    def test_parts_that_overlap(self, tmp_path, other, by):
+        # The beam drawn through the column weighed twice where both are.
+        found = problems(
+            tmp_path, shaped(f"parts = [{{ box = [[0, 0, 0], [0.4, 0.3, 0.2]] }}, {other}]")
+        )
+        assert found == [
+            f'block[2] "b1" parts: parts 1 and 2 overlap by {by}, and what they share would weigh '
+            "twice: cut one of them so that they only touch, or take it out"
+        ]
+
+    def test_parts_that_overlap_in_the_plane(self, tmp_path):
+        found = problems(
+            tmp_path,
+            """
+            dimension = 2
+            thickness = 1.0
+            [material.stone]
+            unit_weight = 1e4
+            [joint]
+            friction_coefficient = 0.6
+            normal_stiffness = 1e9
+            shear_stiffness = 1e9
+            [load]
+            pattern = "mass"
+            direction = [1, 0]
+            [[block]]
+            id = "base"
+            vertices = [[-1, -1], [3, -1], [3, 0], [-1, 0]]
+            support = true
+            [[block]]
+            id = "L"
+            parts = [{ vertices = [[0, 0], [2, 0], [2, 1], [0, 1]] },
+                     { vertices = [[0, 0.9], [1, 0.9], [1, 3], [0, 3]] },
+                     { vertices = [[0, 2.8], [1, 2.8], [1, 4], [0, 4]] }]
+            """,
+        )
+        assert len(found) == 1
+        assert '"L" parts: parts 2 and 3 overlap by 200 mm (and 1 more), and' in found[0]
+
     def test_an_edge_that_is_too_round(self, tmp_path):
         found = problems(tmp_path, GOOD.replace("[contact]", "[corner]\nradius = 0.15\n[contact]"))
         assert len(found) == 1

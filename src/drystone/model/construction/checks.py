@@ -179,11 +179,40 @@ def layout_problems(assembly: Assembly, place: Place, closing: str = CLOSING) ->
         elif table := _table_of(first, second):
             mend += f", or let {closing.format(_upwards(most[table]))} close the joint"
         problems.append(f"{first} and {second} overlap by {millimetres(by)}: {mend}")
+    problems += part_problems(assembly, place)
     touches = np.zeros(assembly.n_bodies, dtype=bool)
     near = depth >= -TOUCHING * size
     touches[a[near]] = touches[b[near]] = True
     if assembly.n_bodies > 1:
         problems.extend(_lonely(packed, np.flatnonzero(~touches & ~assembly.fixed), place))
+    return problems
+
+
+def part_problems(assembly: Assembly, place: Place) -> list[str]:
+    """Of given parts of one block that overlap: what they share would weigh twice."""
+    from drystone.geometry.broad import candidate_pairs  # brings compiled code along
+
+    packed = assembly.packed
+    given = np.array([bool(block.parts) for block in assembly.blocks])
+    rows = np.flatnonzero(given[packed.body])
+    problems = []
+    for own in np.split(rows, np.flatnonzero(np.diff(packed.body[rows])) + 1):
+        if len(own) < 2:
+            continue
+        p, q = candidate_pairs(packed.lower[own], packed.upper[own])
+        p, q = own[p], own[q]
+        depth = packed.overlap_depths(p, q)
+        too_deep = np.flatnonzero(depth > OVERLAPPING * packed.pair_size(p, q))
+        if not len(too_deep):
+            continue
+        k = int(too_deep[np.argmax(depth[too_deep])])
+        one, other = int(p[k] - own[0]) + 1, int(q[k] - own[0]) + 1
+        more = f" (and {len(too_deep) - 1} more)" if len(too_deep) > 1 else ""
+        problems.append(
+            f"{place(int(packed.body[own[0]]))} parts: parts {one} and {other} overlap by "
+            f"{millimetres(float(depth[k]))}{more}, and what they share would weigh twice: cut "
+            "one of them so that they only touch, or take it out"
+        )
     return problems
 
 
