@@ -112,6 +112,66 @@ class TestPlane:
         made = blocks_of(saved(tmp_path, document))
         assert [round(float(b.vertices[:, 0].max()), 9) for b in made.blocks] == [0.0, 2.0, 4.0]
 
+    def test_layer_0_of_a_definition_is_the_layer_of_its_reference(self, tmp_path):
+        document, space = drawing()
+        inner = document.blocks.new("stone")
+        inner.add_lwpolyline([(0, 0), (1, 0), (1, 1), (0, 1)], close=True)
+        inner.add_lwpolyline(
+            [(0, 1), (1, 1), (1, 2), (0, 2)], close=True, dxfattribs={"layer": "cap"}
+        )
+        document.blocks.new("pier").add_blockref("stone", (0, 0))
+        space.add_blockref("pier", (0, 0), dxfattribs={"layer": "brick"})
+        space.add_blockref("stone", (3, 0), dxfattribs={"layer": "lime"})
+        space.add_blockref("stone", (6, 0))
+        made = imported(ImportSettings(file=saved(tmp_path, document)), lambda layer: (layer, 2e4))
+        found = [block.material for block in made.blocks]
+        assert found == ["brick", "cap", "lime", "cap", "0", "cap"]
+
+    def test_what_the_drawing_hides_is_left_out_and_told(self, tmp_path):
+        document, space = drawing()
+        document.layers.add("old").freeze()
+        document.layers.add("draft").off()
+        document.blocks.new("stone").add_lwpolyline([(0, 0), (1, 0), (1, 1)], close=True)
+        square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+        for k, layer in enumerate(("stone", "OLD", "draft")):
+            space.add_lwpolyline(square + [2 * k, 0], close=True, dxfattribs={"layer": layer})
+        space.add_blockref("stone", (9, 0), dxfattribs={"layer": "old"})
+        space.add_text("a text", dxfattribs={"layer": "old"})
+        made = blocks_of(saved(tmp_path, document))
+        assert [block.id for block in made.blocks] == ["stone/1"]
+        told = [n.removeprefix('import "a.dxf": ') for n in made.notes if "left out" in n]
+        assert told == [
+            '1 left out: INSERT on layer "old", which is frozen',
+            '1 left out: LWPOLYLINE on layer "OLD", which is frozen',
+            '1 left out: LWPOLYLINE on layer "draft", which is switched off',
+        ]
+
+    def test_a_block_that_was_moved_to_another_layer_is_of_that_one(self, tmp_path):
+        square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+        names = "abcd"
+        text = dxf_format.write(
+            [
+                Shape(name=name, vertices=square + [k, 0], layer="stone", support=name == "d")
+                for k, name in enumerate(names)
+            ],
+            "four",
+        )
+        path = tmp_path / "model.dxf"
+        path.write_text(text, encoding="utf-8")
+        document = ezdxf.readfile(path)
+        for entity, layer in zip(
+            document.modelspace(), ("brick", "Support", "stone", "brick"), strict=True
+        ):
+            entity.dxf.layer = layer
+        made = blocks_of(saved(tmp_path, document))
+        found = [(block.id, block.material, block.support) for block in made.blocks]
+        assert found == [
+            ("a", "brick", False),
+            ("b", "stone", True),
+            ("c", "stone", False),
+            ("d", "brick", False),
+        ]
+
     def test_gaps_of_a_drawing_are_closed(self, tmp_path):
         document, space = drawing()
         space.add_lwpolyline(SQUARE, close=True)

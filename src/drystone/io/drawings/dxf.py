@@ -65,9 +65,13 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     points: list[tuple[str, tuple[float, ...]]] = []
     others: dict[str, int] = {}
     n_vertices = 0
-    for entity in _entities(document.modelspace()):
-        kind, layer = entity.dxftype(), tidy_name(entity.dxf.get("layer", "0"))
-        if kind == "POINT":
+    hidden = _hidden(document)
+    for entity, drawn_on in _entities(document.modelspace(), hidden):
+        kind, layer = entity.dxftype(), tidy_name(drawn_on)
+        if (how := hidden.get(drawn_on.lower())) and kind not in _SILENT:
+            what = f"{kind} on layer {quoted(layer)}, which is {how}"
+            others[what] = others.get(what, 0) + 1
+        elif kind == "POINT":
             points.append((layer, tuple(entity.dxf.location)))
         elif kind == "3DFACE":
             loose.setdefault(layer, []).append(np.array([tuple(v) for v in entity.wcs_vertices()]))
@@ -155,13 +159,27 @@ def _line(error: object) -> str:
     return printable(" ".join(str(error).split())[:200]) or type(error).__name__
 
 
-def _entities(layout: Any) -> Iterator[Any]:
-    """Entities of a layout, and those that its references stand for; raises `ModelError` where
-    these are without end, or more than are read."""
+def _hidden(document: Any) -> dict[str, str]:
+    """Layers that a drawing does not show, small letters, and why: nothing of them is taken."""
+    return {
+        layer.dxf.name.lower(): "frozen" if layer.is_frozen() else "switched off"
+        for layer in document.layers
+        if layer.is_frozen() or layer.is_off()
+    }
+
+
+def _entities(layout: Any, hidden: dict[str, str]) -> Iterator[tuple[Any, str]]:
+    """Entities of a layout, those that its references stand for, and the layer of each.
+
+    What a definition holds on layer 0 is on the layer of the reference.  A reference on a frozen
+    layer is given as it is.  Raises `ModelError` where references are without end, or entities
+    are more than are read.
+    """
     count = 0
-    waiting: list[Iterator[Any]] = [iter(layout)]
+    waiting: list[tuple[Iterator[Any], str]] = [(iter(layout), "0")]
     while waiting:
-        entity = next(waiting[-1], None)
+        entities, outer = waiting[-1]
+        entity = next(entities, None)
         if entity is None:
             waiting.pop()
             continue
@@ -169,13 +187,16 @@ def _entities(layout: Any) -> Iterator[Any]:
         count += max(int(entity.mcount), 1) if is_reference else 1
         if wrong := too_many("entities", count):
             raise ModelError([wrong])
-        if not is_reference:
-            yield entity
+        layer = str(entity.dxf.get("layer", "0"))
+        layer = outer if layer == "0" else layer
+        if not is_reference or hidden.get(layer.lower()) == "frozen":
+            yield entity, layer
             continue
         if len(waiting) > DEEPEST:
             raise ModelError(["has blocks inside of each other without end"])
         ones = entity.multi_insert() if entity.mcount > 1 else (entity,)
-        waiting.append(chain.from_iterable(one.virtual_entities() for one in ones))
+        inside = chain.from_iterable(one.virtual_entities() for one in ones)
+        waiting.append((inside, layer))
 
 
 def _nothing(dimension: int, others: dict[str, int]) -> str:
@@ -315,15 +336,21 @@ def _marked(entity: Any, layer: str, k: int, vertices: np.ndarray) -> Shape:
 def _known(
     known: dict[str, Any], layer: str, vertices: np.ndarray, faces: tuple[tuple[int, ...], ...]
 ) -> Shape:
-    """A shape that `write` wrote."""
+    """A shape that `write` wrote; it may have been moved to another layer since."""
     groups = known.get("groups")
+    material = tidy_name(known.get("material", layer))
+    support = known.get("support") is True
+    written_on = "support" if support else tidy_name(_layer(material))
+    if layer.lower() != written_on.lower():
+        support = layer.lower() in SUPPORT_LAYERS
+        material = material if support else layer
     return Shape(
         name=tidy_name(known.get("id")) or layer,
         vertices=vertices,
         faces=faces,
-        layer=tidy_name(known.get("material", layer)),
+        layer=material,
         groups=tuple(map(tidy_name, groups)) if isinstance(groups, list) else (),
-        support=known.get("support") is True,
+        support=support,
     )
 
 
