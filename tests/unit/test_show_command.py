@@ -36,6 +36,17 @@ def test_a_picture_in_every_format(tmp_path, name, ending):
     assert path.read_bytes().startswith(BEGINNINGS[ending])
 
 
+def test_a_title_with_letters_of_formulas(tmp_path):
+    text = (EXAMPLES / "wall1.toml").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("title =")]
+    model, path = tmp_path / "a.toml", tmp_path / "a.png"
+    title = r"title = 'Cost $5_{ and \frac{ $x'"
+    model.write_text("\n".join((title, *lines)), encoding="utf-8")
+    result = drystone("show", model, "--out", path)  # it ended in a traceback
+    assert result.exit_code == 0, result.output
+    assert path.read_bytes().startswith(BEGINNINGS[".png"])
+
+
 def test_what_show_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = drystone("show", EXAMPLES / "wall1.toml", "--json")

@@ -76,7 +76,7 @@ def draw_model(model: Model, path: Path | str, *, title: str = "", names: bool =
     counted = f"{assembly.n_blocks} blocks, {supports}"
     left.set_title(counted, fontsize=10)
     if title:
-        figure.suptitle(title, fontsize=12)
+        figure.suptitle(canvas.literal(title), fontsize=12)
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9, frameon=False)
     (low, high), (bottom, top) = left.get_xlim(), left.get_ylim()
