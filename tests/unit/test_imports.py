@@ -328,6 +328,7 @@ class TestConvert:
             (("wall.obj", "out.dxf", "--unit", "m"), "make a model of it first"),
             (("none.obj", "out.toml", "--unit", "m", "--up", "z"), "there is no such file"),
             (("wall.obj", "out.toml", "--from", "xyz"), 'nothing to read from "xyz"'),
+            (("model.toml", "out.obj", "--to", "?"), "take one of model, udec"),
             (("model.toml", "out.obj", "--unit", "m"), "--unit: is for drawings"),
             (("wall.obj", "out.toml", "--bent-faces", "x"), "--bent-faces: must be fans or bends"),
             (("wall.obj", "out.toml", "--overlap", "-1"), "--overlap: "),
