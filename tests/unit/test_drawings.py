@@ -78,6 +78,43 @@ class TestObj:
             assert (shape.name, shape.layer, shape.faces) == (name, "stone", faces)
             assert shape.vertices.tobytes() == vertices.tobytes()
 
+    @pytest.mark.parametrize("heading", ["o all", "", "o {}"])
+    def test_each_solid_is_of_the_material_of_its_faces(self, tmp_path, heading):
+        # One object, none at all, and objects with the same name: the first material was that of
+        # all.
+        lines, first = ["o all"] * (heading == "o all"), 1
+        layers = ["stone", "brick", "stone", "brick", "brick", "tuff"]
+        for layer, (_, vertices, faces) in zip(layers, brick_wall(), strict=True):
+            lines += ["o Cube"] * (heading == "o {}") + [f"usemtl {layer}"]
+            lines += ["v " + " ".join(map(str, v)) for v in vertices.tolist()]
+            lines += ["f " + " ".join(str(first + i) for i in face) for face in faces]
+            first += len(vertices)
+        drawing = read_drawing(kept(tmp_path, "a.obj", "\n".join(lines)))
+        assert [shape.layer for shape in drawing.shapes] == layers
+        assert not drawing.notes
+        name = {"o all": "all/{}", "": "b{}", "o {}": "Cube/{}"}[heading]
+        assert [shape.name for shape in drawing.shapes] == [name.format(k) for k in range(1, 7)]
+
+    def test_a_solid_with_faces_of_several_materials_is_told(self, tmp_path):
+        vertices, faces = box((0, 0, 0), (1, 1, 1))
+        lines = ["o a", *("v " + " ".join(map(str, v)) for v in vertices.tolist()), "usemtl stone"]
+        rows = ["f " + " ".join(str(1 + i) for i in face) for face in faces]
+        text = "\n".join([*lines, *rows[:2], "usemtl plaster", *rows[2:]])
+        drawing = read_drawing(kept(tmp_path, "a.obj", text))
+        assert [shape.layer for shape in drawing.shapes] == ["stone"]
+        assert drawing.notes == (
+            'of several materials are faces of "a", taken to be of that of its first face: give '
+            "each block one",
+        )
+
+    @pytest.mark.parametrize("again", [(0,), (0, 2), (0, 1, 2, 3, 4, 5)])
+    def test_faces_that_are_drawn_again_the_other_way_round(self, tmp_path, again):
+        vertices, faces = box((0, 0, 0), (1, 1, 1))
+        doubled = [*faces, *(faces[k][::-1] for k in again)]
+        made = blocks_of(kept(tmp_path, "a.obj", obj_text([("a", vertices, doubled)])))
+        assert volumes(made) == pytest.approx([1.0])
+        assert [one.what for one in made.mended] == ["had faces that were drawn twice"]
+
     @pytest.mark.parametrize(
         ("text", "said"),
         [

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from drystone.common.ranges import too_many
+from drystone.geometry.links import components
+from drystone.geometry.space.meshes import edges_of
 from drystone.io.drawings.drawing import (
     Drawing,
     Shape,
@@ -19,6 +22,10 @@ from drystone.io.drawings.drawing import (
 )
 from drystone.io.drawings.format import LAYER, Format
 from drystone.model.construction.errors import ModelError
+from drystone.model.construction.words import listed
+
+#: Distance, over the size of everything, within which two vertices are at one place.
+SAME = 1e-6
 
 
 @dataclass
@@ -27,8 +34,13 @@ class _Own:
 
     name: str
     groups: list[str] = field(default_factory=list)
-    material: str = ""
     faces: list[tuple[int, ...]] = field(default_factory=list)
+    materials: list[str] = field(default_factory=list)  # of each face
+
+    @property
+    def named(self) -> list[str]:
+        """Its materials, once each, in the order of its faces."""
+        return [name for name in dict.fromkeys(self.materials) if name]
 
 
 def read(contents: bytes) -> Drawing:
@@ -56,7 +68,7 @@ def read(contents: bytes) -> Drawing:
                 raise ModelError([f"{place}: a face needs three vertices"])
             own = found[-1]
             own.faces.append(face)
-            own.material = own.material or material
+            own.materials.append(material)
             if group and group not in own.groups:
                 own.groups.append(group)
         elif key == heading:
@@ -75,10 +87,17 @@ def read(contents: bytes) -> Drawing:
     filled = [one for one in found if one.faces]
     if not filled:
         raise ModelError(["holds no faces: export the blocks as closed surfaces"])
-    if len(filled) == 1 and not filled[0].name:
-        shapes = shapes_of_mesh(place_of, filled[0].faces, layer=filled[0].material)
+    headed = len(filled) > 1 or bool(filled[0].name)
+    filled = [piece for own in _together(filled) for piece in _by_material(own, place_of)]
+    if mixed := [own.name for own in filled if len(own.named) > 1]:
+        notes += (
+            f"of several materials are faces of {listed(mixed) if headed else 'a surface'}, taken "
+            "to be of that of its first face: give each block one",
+        )
+    if len(filled) == 1 and not headed:
+        shapes = shapes_of_mesh(place_of, filled[0].faces, layer=_material(filled[0]))
     else:
-        shapes = [_shape(one, k, place_of) for k, one in enumerate(_together(filled), 1)]
+        shapes = [_shape(one, k, place_of) for k, one in enumerate(filled, 1)]
     return Drawing(shapes=tuple(shapes), notes=notes)
 
 
@@ -89,10 +108,61 @@ def _together(found: Sequence[_Own]) -> list[_Own]:
         if own.name in by_name and own.name:
             first = by_name[own.name]
             first.faces += own.faces
+            first.materials += own.materials
             first.groups += [name for name in own.groups if name not in first.groups]
         else:
             by_name[own.name or f"\0{len(by_name)}"] = own
     return list(by_name.values())
+
+
+def _by_material(own: _Own, vertices: np.ndarray) -> list[_Own]:
+    """An object of several materials as its closed surfaces; those that share edges part where
+    the faces of each material close.
+
+    By the numbers of vertices where these make closed surfaces, else by their places; as it is
+    where neither does.
+    """
+    if len(set(own.materials)) == 1:
+        return [own]
+    size = float(np.ptp(vertices, axis=0).max()) or 1.0
+    places = np.unique(np.round(vertices / (SAME * size)), axis=0, return_inverse=True)[1]
+    for row in (np.arange(len(vertices)), places.ravel()):
+        faces = [tuple(row[list(face)].tolist()) for face in own.faces]
+        edges = np.array([edge for face in faces for edge in edges_of(face)])
+        part = components(len(vertices), edges[:, 0], edges[:, 1])
+        surfaces: dict[int, list[int]] = {}
+        for k, face in enumerate(faces):
+            surfaces.setdefault(int(part[face[0]]), []).append(k)
+        if all(_closed([faces[k] for k in members]) for members in surfaces.values()):
+            break
+    else:
+        return [own]
+    found = []
+    for members in surfaces.values():
+        by: dict[str, list[int]] = {}
+        for k in members:
+            by.setdefault(own.materials[k], []).append(k)
+        alone = all(_closed([faces[k] for k in rows]) for rows in by.values())
+        found += list(by.values()) if alone else [members]
+    return [
+        _Own(
+            name=f"{own.name}/{n}" if own.name and len(found) > 1 else own.name,
+            groups=own.groups,
+            faces=[own.faces[k] for k in rows],
+            materials=[own.materials[k] for k in rows],
+        )
+        for n, rows in enumerate(found, 1)
+    ]
+
+
+def _closed(faces: Sequence[tuple[int, ...]]) -> bool:
+    """Whether every edge has an even number of faces."""
+    count = Counter((min(edge), max(edge)) for face in faces for edge in edges_of(face))
+    return all(n % 2 == 0 for n in count.values())
+
+
+def _material(own: _Own) -> str:
+    return own.named[0] if own.named else ""
 
 
 def _shape(own: _Own, k: int, vertices: np.ndarray) -> Shape:
@@ -102,7 +172,7 @@ def _shape(own: _Own, k: int, vertices: np.ndarray) -> Shape:
         name=own.name or f"b{k}",
         vertices=vertices[used],
         faces=tuple(tuple(row[i] for i in face) for face in own.faces),
-        layer=own.material,
+        layer=_material(own),
         groups=tuple(own.groups),
     )
 
