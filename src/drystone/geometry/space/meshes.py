@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from drystone.common.arrays import Array, IntArray
 from drystone.common.tolerances import ON_ITSELF
 from drystone.geometry import GeometryError
+from drystone.geometry.links import components
 from drystone.geometry.space.solid import Faces, size_of, volume_of
 
 Edge = tuple[int, int]
@@ -84,21 +85,52 @@ def _without_spikes(face: list[int]) -> tuple[int, ...]:
 def once(mesh: Mesh) -> tuple[Mesh, int]:
     """The mesh with every face once, and how many were there again.
 
-    A face and its reverse are two, where solids lie on each other; where all faces have their
-    reverse, one of the two goes.
+    A face and its reverse are two where solids lie on each other.  One of the two goes where all
+    faces have their reverse, and where the surface closes without it: of faces that hang together,
+    where every edge then has an even number of faces.
     """
     kept: dict[tuple[int, ...], tuple[int, ...]] = {}
     for face in mesh.faces:
         kept.setdefault(_turned(face), face)
-    reverses = {_turned(face[::-1]) for face in kept.values()}
-    if kept and reverses == set(kept):
-        either: dict[frozenset[tuple[int, ...]], tuple[int, ...]] = {}
-        for key, face in kept.items():
-            either.setdefault(frozenset((key, _turned(face[::-1]))), face)
-        faces = tuple(either.values())
-    else:
-        faces = tuple(kept.values())
+    again = {}
+    for key, face in kept.items():
+        reverse = _turned(face[::-1])
+        if reverse in kept and reverse not in again:
+            again[key] = reverse
+    if 2 * len(again) < len(kept):
+        again = _needless(kept, again)
+    for reverse in again.values():
+        del kept[reverse]
+    faces = tuple(kept.values())
     return Mesh(mesh.vertices, faces), len(mesh.faces) - len(faces)
+
+
+def _needless(
+    kept: dict[tuple[int, ...], tuple[int, ...]], again: dict[tuple[int, ...], tuple[int, ...]]
+) -> dict[tuple[int, ...], tuple[int, ...]]:
+    """Of faces with their reverses, those whose surface is closed without the reverse."""
+    if not again:
+        return {}
+
+    def sides(face: Sequence[int]) -> list[Edge]:
+        return [(min(edge), max(edge)) for edge in edges_of(face)]
+
+    count: dict[Edge, int] = {}
+    for edge in (edge for face in kept for edge in sides(face)):
+        count[edge] = count.get(edge, 0) + 1
+    keys = list(again)
+    last: dict[Edge, int] = {}
+    links = [(last.setdefault(edge, k), k) for k, face in enumerate(keys) for edge in sides(face)]
+    part = components(len(keys), *np.array(links).T)
+    needed = set()
+    removed: dict[tuple[int, Edge], int] = {}
+    for k, face in enumerate(keys):
+        for edge in sides(face):
+            removed[int(part[k]), edge] = removed.get((int(part[k]), edge), 0) + 1
+    for (own, edge), n in removed.items():
+        if (count[edge] - n) % 2:
+            needed.add(own)
+    return {key: again[key] for k, key in enumerate(keys) if int(part[k]) not in needed}
 
 
 def _turned(face: tuple[int, ...]) -> tuple[int, ...]:
