@@ -230,7 +230,7 @@ class TestRocking:
     def test_the_same_in_space(self, case, engine):
         """A plane model as solids, whose displacements are those of the plane."""
         model, forces = CASES[case]
-        steps = {"max_steps": 18}
+        steps = {"max_steps": 36}
         curve = ds.pushover(ds.extruded(model), engine=engine, keep_poses=True, **steps)
         seen = 0
         for point, pose in zip(curve.points, curve.poses, strict=True):
