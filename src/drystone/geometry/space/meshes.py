@@ -7,7 +7,8 @@ on.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -47,22 +48,34 @@ def edges_of(face: Sequence[int]) -> list[Edge]:
     return list(pairwise((*face, face[0])))
 
 
+def faces_at_edges(faces: Iterable[Sequence[int]]) -> Counter[Edge]:
+    """How many faces run along each edge, in either sense."""
+    return Counter((min(edge), max(edge)) for face in faces for edge in edges_of(face))
+
+
+def at_one_place(vertices: Array, near: float) -> IntArray:
+    """For every vertex the first of those that are nearer than ``near`` [m], (n,)."""
+    from scipy.spatial import cKDTree
+
+    n = len(vertices)
+    pairs = cKDTree(vertices).query_pairs(near, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    count, label = connected_components(links, directed=False)
+    first = np.full(count, n)
+    np.minimum.at(first, label, np.arange(n))
+    found: IntArray = first[label]
+    return found
+
+
 def welded(mesh: Mesh, near: float) -> tuple[Mesh, int]:
     """The mesh with vertices that are nearer than ``near`` [m] made one, and how many went.
 
     The first of several stays where it is.  Faces that are left with less than three vertices go.
     """
-    from scipy.spatial import cKDTree
-
-    n = len(mesh.vertices)
-    pairs = cKDTree(mesh.vertices).query_pairs(near, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, label = connected_components(links, directed=False)
-    first = np.full(count, n)
-    np.minimum.at(first, label, np.arange(n))
-    row = first[label].tolist()
+    row = at_one_place(mesh.vertices, near).tolist()
     faces = [_without_spikes([row[i] for i in face]) for face in mesh.faces]
-    return Mesh.of_used(mesh.vertices, [face for face in faces if len(face) > 2]), n - count
+    merged = len(row) - len(set(row))
+    return Mesh.of_used(mesh.vertices, [face for face in faces if len(face) > 2]), merged
 
 
 def _without_spikes(face: list[int]) -> tuple[int, ...]:
@@ -111,26 +124,14 @@ def _needless(
     """Of faces with their reverses, those whose surface is closed without the reverse."""
     if not again:
         return {}
-
-    def sides(face: Sequence[int]) -> list[Edge]:
-        return [(min(edge), max(edge)) for edge in edges_of(face)]
-
-    count: dict[Edge, int] = {}
-    for edge in (edge for face in kept for edge in sides(face)):
-        count[edge] = count.get(edge, 0) + 1
-    keys = list(again)
+    keys, count = list(again), faces_at_edges(kept)
+    sides = [list(faces_at_edges([face])) for face in keys]
     last: dict[Edge, int] = {}
-    links = [(last.setdefault(edge, k), k) for k, face in enumerate(keys) for edge in sides(face)]
-    part = components(len(keys), *np.array(links).T)
-    needed = set()
-    removed: dict[tuple[int, Edge], int] = {}
-    for k, face in enumerate(keys):
-        for edge in sides(face):
-            removed[int(part[k]), edge] = removed.get((int(part[k]), edge), 0) + 1
-    for (own, edge), n in removed.items():
-        if (count[edge] - n) % 2:
-            needed.add(own)
-    return {key: again[key] for k, key in enumerate(keys) if int(part[k]) not in needed}
+    links = [(last.setdefault(edge, k), k) for k, own in enumerate(sides) for edge in own]
+    part = components(len(keys), *np.array(links).T).tolist()
+    removed = Counter((part[k], edge) for k, own in enumerate(sides) for edge in own)
+    needed = {k for (k, edge), n in removed.items() if (count[edge] - n) % 2}
+    return {key: again[key] for key, k in zip(keys, part, strict=True) if k not in needed}
 
 
 def _turned(face: tuple[int, ...]) -> tuple[int, ...]:

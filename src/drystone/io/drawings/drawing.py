@@ -9,7 +9,8 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.ranges import LARGEST, too_many
-from drystone.geometry.space.meshes import Mesh, shells
+from drystone.common.tolerances import SAME_POINT
+from drystone.geometry.space.meshes import Mesh, faces_at_edges, shells
 from drystone.geometry.space.solid import Faces
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
@@ -88,10 +89,10 @@ def shapes_of_mesh(
     if not mesh.faces:
         raise ModelError(["holds no faces: export the blocks as closed surfaces"])
     found = shells(mesh)
-    if not all(_is_closed(own) for own in found):
+    if any(n != 2 for own in found for n in faces_at_edges(own.faces).values()):
         if not np.isfinite(mesh.vertices).all():
             raise ModelError(["every coordinate must be a finite number"])
-        mesh, _ = welded(mesh, 1e-6 * size_of(mesh.vertices))
+        mesh, _ = welded(mesh, SAME_POINT * size_of(mesh.vertices))
         if not mesh.faces:
             raise ModelError(["all its faces are points or lines: export closed surfaces"])
         found = shells(mesh)
@@ -99,14 +100,6 @@ def shapes_of_mesh(
         Shape(name=f"b{k}", vertices=own.vertices, faces=own.faces, layer=layer)
         for k, own in enumerate(found, 1)
     ]
-
-
-def _is_closed(mesh: Mesh) -> bool:
-    count: dict[tuple[int, int], int] = {}
-    for face in mesh.faces:
-        for a, b in zip(face, face[1:] + face[:1], strict=True):
-            count[min(a, b), max(a, b)] = count.get((min(a, b), max(a, b)), 0) + 1
-    return all(n == 2 for n in count.values())
 
 
 def check_faces(n: int, faces: Sequence[Sequence[int]], place: str = "") -> None:

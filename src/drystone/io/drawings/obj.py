@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from drystone.common.ranges import too_many
+from drystone.common.tolerances import SAME_POINT
 from drystone.geometry.links import components
-from drystone.geometry.space.meshes import edges_of
+from drystone.geometry.space.meshes import at_one_place, edges_of, faces_at_edges
+from drystone.geometry.space.solid import size_of
 from drystone.io.drawings.drawing import (
     Drawing,
     Shape,
@@ -23,9 +24,6 @@ from drystone.io.drawings.drawing import (
 from drystone.io.drawings.format import LAYER, Format
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import listed
-
-#: Distance, over the size of everything, within which two vertices are at one place.
-SAME = 1e-6
 
 
 @dataclass
@@ -124,9 +122,8 @@ def _by_material(own: _Own, vertices: np.ndarray) -> list[_Own]:
     """
     if len(set(own.materials)) == 1:
         return [own]
-    size = float(np.ptp(vertices, axis=0).max()) or 1.0
-    places = np.unique(np.round(vertices / (SAME * size)), axis=0, return_inverse=True)[1]
-    for row in (np.arange(len(vertices)), places.ravel()):
+    places = at_one_place(vertices, SAME_POINT * size_of(vertices))
+    for row in (np.arange(len(vertices)), places):
         faces = [tuple(row[list(face)].tolist()) for face in own.faces]
         edges = np.array([edge for face in faces for edge in edges_of(face)])
         part = components(len(vertices), edges[:, 0], edges[:, 1])
@@ -157,8 +154,7 @@ def _by_material(own: _Own, vertices: np.ndarray) -> list[_Own]:
 
 def _closed(faces: Sequence[tuple[int, ...]]) -> bool:
     """Whether every edge has an even number of faces."""
-    count = Counter((min(edge), max(edge)) for face in faces for edge in edges_of(face))
-    return all(n % 2 == 0 for n in count.values())
+    return all(n % 2 == 0 for n in faces_at_edges(faces).values())
 
 
 def _material(own: _Own) -> str:
