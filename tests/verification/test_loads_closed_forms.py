@@ -481,7 +481,7 @@ class TestMasses:
         masses = masses_of(model.assembly, model.dead_loads)
         assert masses.weights(model.assembly)[1] == pytest.approx(WEIGHT + LOAD)
         arm = np.array(POINT) - (0.2, 0.5)
-        assert masses.moment[1] == pytest.approx(LOAD * arm)
+        assert masses.carried[0].moment[1] == pytest.approx(LOAD * arm)
 
 
 def twisted_slab(*forces, push=1000.0):

@@ -240,17 +240,14 @@ class _Masses:
     def of(cls, model: Model, pose: Array | None = None) -> _Masses:
         """As designed, or in poses (n, n_pose)."""
         assembly = model.assembly
-        carried = masses_of(assembly, tuple(model.dead_loads))
-        mass = carried.weights(assembly) / GRAVITY
-        if carried.weight is None or carried.moment is None:
+        masses = masses_of(assembly, tuple(model.dead_loads))
+        mass, carried = masses.weights(assembly) / GRAVITY, masses.together
+        if carried is None:
             nowhere = np.zeros_like(assembly.centroid)
             return cls(mass=mass, centre=nowhere, carried_at=nowhere, reduced=np.zeros_like(mass))
         weight = np.where(assembly.fixed, 0.0, carried.weight)
         share = np.divide(weight / GRAVITY, mass, out=np.zeros_like(mass), where=mass > 0.0)
-        arm = np.zeros_like(carried.moment)
-        np.divide(carried.moment, weight[:, None], out=arm, where=weight[:, None] > 0.0)
-        if pose is not None:
-            arm = motion.rotated(arm, pose)
+        arm = carried.arm if pose is None else motion.rotated(carried.arm, pose)
         reduced = share * assembly.mass[:, 0]
         return cls(mass=mass, centre=share[:, None] * arm, carried_at=arm, reduced=reduced)
 

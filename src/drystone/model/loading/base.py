@@ -20,10 +20,18 @@ from drystone.model.scale import Scale
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CarriedMasses:
-    """Masses of one dead load as weights, one on each block that carries it."""
+    """Masses of dead loads as weights, one on each block that carries any."""
 
     weight: Array  # (n,) N
     moment: Array  # (n, dim) N m, of the weights, with arms from the centroids
+
+    @classmethod
+    def of(cls, assembly: Assembly, forces: DeadForces) -> CarriedMasses:
+        """Of what weighs on the blocks."""
+        moment = np.zeros_like(forces.force)
+        if forces.lever is not None:
+            moment = -(forces.lever @ assembly.up)
+        return cls(weight=-(forces.force @ assembly.up), moment=moment)
 
     @property
     def arm(self) -> Array:
@@ -34,22 +42,26 @@ class CarriedMasses:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Masses:
-    """Masses of dead loads that count in patterns, beside those of the blocks, as weights."""
+    """Masses of dead loads that count in patterns, beside those of the blocks."""
 
-    weight: Array | None = None  # (n,) N; None where there are none
-    moment: Array | None = None  # (n, dim) N m, of the weights, with arms from the centroids
-    carried: tuple[CarriedMasses, ...] = ()  # the same, by loads
+    carried: tuple[CarriedMasses, ...] = ()  # of each load
+
+    @property
+    def together(self) -> CarriedMasses | None:
+        """Those of all loads, at the centre of what each block carries; None where there are
+        none."""
+        if not self.carried:
+            return None
+        weight = np.sum([carried.weight for carried in self.carried], axis=0)
+        moment = np.sum([carried.moment for carried in self.carried], axis=0)
+        return CarriedMasses(weight=weight, moment=moment)
 
     def forces(self, assembly: Assembly, over_weight: Array) -> DeadForces:
         """Forces of all masses, (n, dim) over the weight at each block's centroid.
 
         Masses that lie elsewhere feel what the block's centroid feels.
         """
-        force = assembly.weight[:, None] * over_weight
-        if self.weight is None or self.moment is None:
-            return DeadForces(force=force)
-        lever = self.moment[:, :, None] * over_weight[:, None, :]
-        return DeadForces(force=force + self.weight[:, None] * over_weight, lever=lever)
+        return self.forces_in_place(assembly, [over_weight] * (1 + len(self.carried)))
 
     def forces_in_place(self, assembly: Assembly, over_weight: Sequence[Array]) -> DeadForces:
         """Forces of all masses, (n, dim) over the weight at each of the `arms`."""
@@ -73,7 +85,7 @@ class Masses:
 
     def weights(self, assembly: Assembly) -> Array:
         """Of the blocks with what they carry, (n,) [N]; zero on supports."""
-        all_ = assembly.weight if self.weight is None else assembly.weight + self.weight
+        all_ = sum((carried.weight for carried in self.carried), assembly.weight)
         return np.where(assembly.fixed, 0.0, all_)
 
 
@@ -237,19 +249,7 @@ class DeadLoad(Protocol):
 def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
     """Masses that go with the loads that say so: what they weigh, where they lie."""
     counted = [load.forces(assembly) for load in loads if load.mass]
-    if not counted:
-        return NO_MASSES
-    all_ = _carried(assembly, sum(counted[1:], counted[0]))
-    each = tuple(_carried(assembly, forces) for forces in counted)
-    return Masses(weight=all_.weight, moment=all_.moment, carried=each)
-
-
-def _carried(assembly: Assembly, forces: DeadForces) -> CarriedMasses:
-    """Masses of what weighs on the blocks."""
-    moment = np.zeros_like(forces.force)
-    if forces.lever is not None:
-        moment = -(forces.lever @ assembly.up)
-    return CarriedMasses(weight=-(forces.force @ assembly.up), moment=moment)
+    return Masses(carried=tuple(CarriedMasses.of(assembly, forces) for forces in counted))
 
 
 def rises(load: DeadLoad, assembly: Assembly, place: str) -> list[str]:

@@ -161,8 +161,9 @@ def mass_matrices(assembly: Assembly, masses: Masses) -> Array:
         assembly.weight[:, None] / GRAVITY
     )
     units = np.broadcast_to(np.eye(n_dof)[:, None, :], (n_dof, n, n_dof))
-    for k, carried in enumerate(masses.carried, start=1):
-        moved = np.stack([_motions(assembly, masses, unit)[k] for unit in units], axis=2)
+    # J of the masses of each load: a column by each unit motion.
+    _, *jacobians = np.stack([_motions(assembly, masses, unit) for unit in units], axis=-1)
+    for carried, moved in zip(masses.carried, jacobians, strict=True):
         mass += np.einsum("n,nki,nkj->nij", carried.weight / GRAVITY, moved, moved)
     return mass
 
