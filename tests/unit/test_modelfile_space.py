@@ -51,6 +51,27 @@ VERTICES = (
 NOTCHED = "outline = [[0,0], [0.4,0], [0.4,0.1], [0.1,0.1], [0.1,0.2], [0,0.2]]"
 FACES = "faces = [[0,3,2,1], [4,5,6,7], [0,1,5,4], [1,2,6,5], [2,3,7,6], [3,0,4,7]]"
 
+#: A model of the plane, whose last block has no shape yet.
+BLOCK_IN_THE_PLANE = """
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 1e4
+[joint]
+friction_coefficient = 0.6
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+[load]
+pattern = "mass"
+direction = [1, 0]
+[[block]]
+id = "base"
+vertices = [[-1, -1], [3, -1], [3, 0], [-1, 0]]
+support = true
+[[block]]
+id = "L"
+"""
+
 
 def read(tmp_path, text):
     path = tmp_path / "model.toml"
@@ -139,27 +160,13 @@ class TestShapes:
         assert found == pytest.approx(0.2 / y, rel=1e-6)
 
     def test_parts_in_the_plane(self, tmp_path):
-        text = """
-            dimension = 2
-            thickness = 1.0
-            [material.stone]
-            unit_weight = 1e4
-            [joint]
-            friction_coefficient = 0.6
-            normal_stiffness = 1e9
-            shear_stiffness = 1e9
-            [[block]]
-            id = "base"
-            vertices = [[-1, -1], [3, -1], [3, 0], [-1, 0]]
-            support = true
-            [[block]]
-            id = "L"
+        text = (
+            BLOCK_IN_THE_PLANE
+            + """
             parts = [{ vertices = [[0, 0], [2, 0], [2, 1], [0, 1]] },
                      { vertices = [[0, 3], [1, 3], [1, 1], [0, 1]] }]
-            [load]
-            pattern = "mass"
-            direction = [1, 0]
         """
+        )
         model = read(tmp_path, text)
         assert model.assembly.volume[1] == pytest.approx(4.0)
         assert model.assembly.centroid[1] == pytest.approx([0.75, 1.25])
@@ -324,24 +331,8 @@ class TestWhatIsWrong:
     def test_parts_that_overlap_in_the_plane(self, tmp_path):
         found = problems(
             tmp_path,
-            """
-            dimension = 2
-            thickness = 1.0
-            [material.stone]
-            unit_weight = 1e4
-            [joint]
-            friction_coefficient = 0.6
-            normal_stiffness = 1e9
-            shear_stiffness = 1e9
-            [load]
-            pattern = "mass"
-            direction = [1, 0]
-            [[block]]
-            id = "base"
-            vertices = [[-1, -1], [3, -1], [3, 0], [-1, 0]]
-            support = true
-            [[block]]
-            id = "L"
+            BLOCK_IN_THE_PLANE
+            + """
             parts = [{ vertices = [[0, 0], [2, 0], [2, 1], [0, 1]] },
                      { vertices = [[0, 0.9], [1, 0.9], [1, 3], [0, 3]] },
                      { vertices = [[0, 2.8], [1, 2.8], [1, 4], [0, 4]] }]

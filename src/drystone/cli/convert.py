@@ -255,14 +255,11 @@ def _check_blocks(blocks: Sequence[Block], source: Path, file: Path) -> None:
 def _from_model(source: Path, kind: str, file: Path, to: str | None) -> dict[str, Any]:
     """Write a model, read from a model file or from what `convert` wrote."""
     from drystone.io.convert import convert as write
-    from drystone.io.convert import read, target_of, targets
+    from drystone.io.convert import read, target_of
     from drystone.io.modelfile import read_model, write_model
-    from drystone.model.construction.errors import ModelError
 
-    if to is not None and to not in (known := (MODEL, *targets())):
-        raise ModelError([f'there is no target "{to}": take one of {", ".join(known)}'])
     as_model = to == MODEL or (to is None and file.suffix.lower() == ".toml")
-    target = None if as_model else target_of(file, to)
+    target = None if as_model else target_of(file, to, beside=(MODEL,))
     if kind == MODEL:
         model = read_model(source, need_stiffness=False)
     else:

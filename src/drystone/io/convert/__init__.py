@@ -8,7 +8,7 @@ read by `drystone.io.drawings`; `from_drawing` makes a model file of one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -57,8 +57,12 @@ def targets() -> dict[str, Target]:
     }
 
 
-def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
+def target_of(
+    path: str | PathLike[str], name: str | None = None, *, beside: Sequence[str] = ()
+) -> Target:
     """The target of that name, or else the one that the file's ending means.
+
+    ``beside`` are what the caller writes by itself, for the message on a name that is none.
 
     Raises
     ------
@@ -68,7 +72,8 @@ def target_of(path: str | PathLike[str], name: str | None = None) -> Target:
     every = targets()
     if name is not None:
         if name not in every:
-            raise ModelError([f'there is no target "{name}": take one of {", ".join(every)}'])
+            known = ", ".join((*beside, *every))
+            raise ModelError([f'there is no target "{name}": take one of {known}'])
         return every[name]
     ending = Path(path).suffix.lower()
     for target in every.values():

@@ -193,23 +193,22 @@ def part_problems(assembly: Assembly, place: Place) -> list[str]:
     from drystone.geometry.broad import candidate_pairs  # brings compiled code along
 
     packed = assembly.packed
+    body = packed.body
     given = np.array([bool(block.parts) for block in assembly.blocks])
-    rows = np.flatnonzero(given[packed.body])
+    rows = np.flatnonzero(given[body])
+    if not len(rows):
+        return []
+    p, q = (rows[k] for k in candidate_pairs(packed.lower[rows], packed.upper[rows]))
+    p, q = p[body[p] == body[q]], q[body[p] == body[q]]
+    depth = packed.overlap_depths(p, q)
+    too_deep = depth > OVERLAPPING * packed.pair_size(p, q)
     problems = []
-    for own in np.split(rows, np.flatnonzero(np.diff(packed.body[rows])) + 1):
-        if len(own) < 2:
-            continue
-        p, q = candidate_pairs(packed.lower[own], packed.upper[own])
-        p, q = own[p], own[q]
-        depth = packed.overlap_depths(p, q)
-        too_deep = np.flatnonzero(depth > OVERLAPPING * packed.pair_size(p, q))
-        if not len(too_deep):
-            continue
-        k = int(too_deep[np.argmax(depth[too_deep])])
-        one, other = int(p[k] - own[0]) + 1, int(q[k] - own[0]) + 1
-        more = f" (and {len(too_deep) - 1} more)" if len(too_deep) > 1 else ""
+    for block in np.unique(body[p[too_deep]]).tolist():
+        pairs = np.flatnonzero(too_deep & (body[p] == block))
+        k, first = pairs[np.argmax(depth[pairs])], int(np.searchsorted(body, block))
+        more = f" (and {len(pairs) - 1} more)" if len(pairs) > 1 else ""
         problems.append(
-            f"{place(int(packed.body[own[0]]))} parts: parts {one} and {other} overlap by "
+            f"{place(block)} parts: parts {p[k] - first + 1} and {q[k] - first + 1} overlap by "
             f"{millimetres(float(depth[k]))}{more}, and what they share would weigh twice: cut "
             "one of them so that they only touch, or take it out"
         )
