@@ -239,4 +239,4 @@ def brute_area(scene, slots):
     axes = np.column_stack((t, np.cross(n, t)))
     area, _ = brute_overlap((p - p[0]) @ axes, ((q - p[0]) @ axes)[::-1])
     least = min(0.5 * np.linalg.norm(np.cross(x, np.roll(x, -1, 0)).sum(axis=0)) for x in (p, q))
-    return max(area, tolerances.LEAST_OVERLAP * least)
+    return max(area, tolerances.LEAST_AREA * least)

@@ -204,7 +204,7 @@ class TestFlush:
         k = used(slots)
         wide, deep = 1 - shift[0], 1 - shift[1]
         assert len(k) == 4
-        area = max(wide * deep, tolerances.LEAST_OVERLAP)
+        area = max(wide * deep, tolerances.LEAST_AREA)
         assert slots.size[k] == pytest.approx(area / 4, rel=1e-9)
         place = scene.shapes.centroid[0] + slots.arm_a[k]
         corners = {tuple(x) for x in np.round(place, 9) + 0.0}
@@ -423,7 +423,7 @@ class TestTies:
     def test_what_only_touches_has_the_smallest_interface(self, upper, pairs):
         slots = Scene([self.BASE, upper]).find()
         k = used(slots)
-        assert slots.size[k].sum() == pytest.approx(tolerances.LEAST_OVERLAP * min(pairs), rel=1e-9)
+        assert slots.size[k].sum() == pytest.approx(tolerances.LEAST_AREA * min(pairs), rel=1e-9)
         along = np.eye(3)[np.argmin(pairs)]
         assert slots.normal[k] == pytest.approx(np.tile(along, (len(k), 1)), abs=ROUNDING)
 

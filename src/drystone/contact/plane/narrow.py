@@ -36,7 +36,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
-from drystone.common.tolerances import DEEP, LEAST_OVERLAP, PASSAGE, ROUNDING, SAME_CORNER
+from drystone.common.tolerances import DEEP, LEAST_LENGTH, PASSAGE, ROUNDING, SAME_CORNER
 from drystone.contact.contacts import (
     ARM_A,
     ARM_B,
@@ -175,7 +175,7 @@ def _overlap(length, setback, vertex, tangent, ea, eb, b1):
     """Half of what faces itself of the edges ``ea`` and ``eb``, of which that ends at b1 [m]."""
     start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
     end = min(_along(vertex, tangent, ea, eb) + setback[eb, 0], length[ea] + setback[ea, 1])
-    return max(0.5 * (end - start), LEAST_OVERLAP * min(length[ea], length[eb]))
+    return max(0.5 * (end - start), LEAST_LENGTH * min(length[ea], length[eb]))
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import CLIP, EDGE_ON, LEAST_OVERLAP, MERGE, SUMS
+from drystone.common.tolerances import CLIP, EDGE_ON, LEAST_AREA, MERGE, SUMS
 from drystone.contact.contacts import (
     EDGE_A,
     EDGE_B,
@@ -260,7 +260,7 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
         area += widened(polygon, half, count, weight)
     n_points = n_spread(count, n_most if cosine > EDGE_ON and area > 0.0 else 4, end - begin)
     spread(polygon, name, half, count, cx, cy, n_points, point, scratch.mark, weight)
-    least = LEAST_OVERLAP * min(extent[face_p, 0], extent[face_q, 0])
+    least = LEAST_AREA * min(extent[face_p, 0], extent[face_q, 0])
     scale(point, n_points, cx, cy, max(area, least), weight)
     stop = _write_points(
         scene, scratch, face_p, face_q, p_is_a, n, m, n_points, begin, end, which, value

@@ -11,7 +11,7 @@ the reference face is
 2. where all overlaps are a line or a point, the one whose interface is the smallest;
 3. the first one of the part as designed.
 
-The second is so because solids that only touch have no joint to press on: the LEAST_OVERLAP that
+The second is so because solids that only touch have no joint to press on: the LEAST_AREA that
 they are given keeps them from passing through each other, and stiffens a structure falsely, the
 less the smaller it is.
 """

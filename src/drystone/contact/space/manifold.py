@@ -17,7 +17,7 @@ to which what treated edges take off the faces is added again:
 
 A face that tilts on an edge or on a vertex keeps its points, and those that open their area: it is
 that of the overlap, as in the plane.  An overlap that is only a line or a point, or next to it,
-has LEAST_OVERLAP of the smaller face.
+has LEAST_AREA of the smaller face.
 
 Where no point of the overlap is as near as the separation says, the faces are not what touches.
 Then edges that cross and separate the parts more by EDGES_MARGIN, or touch where those points are
