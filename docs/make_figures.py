@@ -43,18 +43,26 @@ def example(name: str, engine: str | None) -> None:
     draw_mechanism(mechanism, IMAGES / f"{name}_mechanism.png", title=title)
 
 
+#: The pictures that the tutorials show, by example.
+SHOWN = {
+    "first_wall": ("model", "curve", "mechanism"),
+    "gate": ("model", "mechanism"),
+    "tied_facade": ("mechanism",),
+}
+
+
 def tutorials() -> None:
     """The pictures of the tutorials: what their commands write, under the names that they show."""
     target = IMAGES / "tutorials"
-    for name in ("first_wall", "gate", "tied_facade"):
-        model = ds.read_model(EXAMPLES / f"{name}.toml")
+    for name, pictures in SHOWN.items():
+        path = EXAMPLES / f"{name}.toml"
+        model = ds.read_model(path)
         curve = ds.pushover(model, keep_poses=True, keep_contacts=True)
         with tempfile.TemporaryDirectory() as folder:
             ds.save_results(curve, model, folder)
-            for picture in ("curve", "mechanism"):
+            subprocess.run(["drystone", "show", path, "--out", f"{folder}/model.png"], check=True)
+            for picture in pictures:
                 shutil.copy(Path(folder) / f"{picture}.png", target / f"{name}_{picture}.png")
-        subprocess.run(["drystone", "show", EXAMPLES / f"{name}.toml", "--out",
-                        target / f"{name}_model.png"], check=True)  # fmt: skip
 
 
 def of_the_study() -> None:
