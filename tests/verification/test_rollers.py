@@ -114,3 +114,27 @@ def test_what_no_roller_holds(held, sentence):
 def test_distinct_says_that_it_has_none():
     with pytest.raises(ds.EngineError, match="has no rollers"):
         ds.pushover(carriage(), engine="distinct")
+
+
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
+def test_a_roller_beside_a_joint_bears_what_it_bore(stiffness, space):
+    """Rollers hold the block before the joint below it is pressed: nothing resists sliding.
+
+    What is held does not creep into a stiff joint, step by step.  Then friction would grow.
+    """
+    model = ds.make_model(
+        [
+            box("ground", -1.0, -0.5, 3.0, 0.5, support=True),
+            box("b", 0.0, 0.0, 1.0, 0.5, held=("y", "turn")),
+        ],
+        joint=ds.JointLaw(
+            friction_coefficient=0.6, normal_stiffness=stiffness, shear_stiffness=stiffness
+        ),
+        thickness=THICKNESS,
+        load_direction=[1.0, 0.0],
+    )
+    curve = ds.pushover(ds.extruded(model) if space else model, max_displacement=0.05)
+    assert curve.status == "finished"
+    assert len(curve.points) > 20
+    assert max(abs(p.load_multiplier) for p in curve.points) < 1e-4

@@ -55,9 +55,9 @@ class Corner:
         return figure.cores(radius=self.radius, chamfer=self.chamfer)
 
 
-#: Mass of what is held over the block's own: a step of 30 s moves it by 1e-8 m under a hundred
+#: Mass of what is held over the block's own: a step of 30 s moves it by 1e-14 m under a hundred
 #: weights.
-RESTRAINED_MASS = 1e14
+RESTRAINED_MASS = 1e20
 
 
 def crushes(laws: Sequence[JointLaw]) -> bool:
