@@ -14,7 +14,7 @@ from drystone.analysis.driver import pushover
 from drystone.engines.base import EngineError
 from drystone.limit import collapse_load
 from drystone.model.assembly import Block
-from drystone.model.builders import coursed_wall, make_model
+from drystone.model.builders import coursed_wall, extruded, make_model
 from drystone.model.joint_law import JointLaw
 from drystone.model.mortar import Mortar
 
@@ -478,3 +478,49 @@ def test_engines_without_them_say_so(engine, values, said):
     model = stack((1.0, 0.2), joint=joint(0.6, 1e9, **values))
     with pytest.raises(EngineError, match=f"{engine} engine has no joints that {said}"):
         pushover(model, engine=engine, max_steps=1)
+
+
+class TestOpeningWithoutTensileStrength:
+    """A block B x H with b = 0.5 H: it overturns at B / H = 2, with any cohesion.
+
+    Slip softens the cohesion.  Opening has no energy to take, and breaks the bond at once: an open
+    joint that kept its cohesion would be held by it, and the block with it.
+    """
+
+    width, height = 1.0, 0.5
+
+    def model(self, cohesion, friction=3.0, stiffness=1e11):
+        law = joint(friction, stiffness, cohesion=cohesion, shear_fracture_energy=100.0)
+        outlines = rectangle(-1.0, -0.5, 3.0, 0.5), rectangle(0.0, 0.0, self.width, self.height)
+        ground, block = (
+            Block(id=name, vertices=outline, unit_weight=UNIT_WEIGHT, support=name == "ground")
+            for name, outline in zip(("ground", "b"), outlines, strict=True)
+        )
+        return make_model([ground, block], joint=law, thickness=1.0, load_direction=[1.0, 0.0])
+
+    @pytest.mark.parametrize(
+        ("engine", "stiffness", "cohesion", "space"),
+        [
+            ("equilibrium", 1e9, 2e4, False),
+            ("equilibrium", 1e9, 1e5, True),
+            ("equilibrium", 1e11, 1e5, False),
+            ("equilibrium", 1e11, 2e4, True),
+            ("distinct", 1e9, 1e5, False),
+        ],
+    )
+    def test_it_overturns(self, engine, stiffness, cohesion, space):
+        model = self.model(cohesion, stiffness=stiffness)
+        curve = pushover(extruded(model) if space else model, engine=engine, max_displacement=0.1)
+        # The compression of the joint shortens the arm: by W / (k B) / B.
+        assert curve.peak.load_multiplier == pytest.approx(2.0, rel=1e-3)
+        assert max(p.load_multiplier for p in curve.points) < 2.002
+
+    def test_what_stays_shut_keeps_its_cohesion(self):
+        """A block that slides: c B / W more than friction, and then less of it."""
+        curve = pushover(self.model(4e3, friction=0.3), max_displacement=0.1)
+        weight = UNIT_WEIGHT * self.width * self.height
+        wanted = 0.3 + 4e3 * self.width / weight
+        assert curve.peak.load_multiplier == pytest.approx(wanted, rel=1e-3)
+        point = curve.points[-1]
+        left = np.exp(-4e3 * point.control_displacement / 100.0)
+        assert point.load_multiplier == pytest.approx(0.3 + left * (wanted - 0.3), rel=1e-3)

@@ -68,7 +68,7 @@ class Prepared(Derived):
     @cached_property
     def brittle(self) -> bool:
         """Whether bonds break."""
-        return brittle(self.laws)
+        return brittle(self.laws) or bool(self.strengths.tears.any())
 
     @cached_property
     def gives_way(self) -> bool:

@@ -5,7 +5,8 @@ A bond of cohesion c and tensile strength f_t is intact at a contact of area A w
     |r_t| <= mu r_n + c A,        r_n >= -f_t A
 
 and is lost at once.  Its margin is the smaller of what is left until then, either over its own
-strength.  A law that softens, or crushes, has another margin; what follows from it stays the same.
+strength.  A bond that softens has no margin, but one: where slip softens a cohesion and there is no
+tensile strength, no energy is taken by opening.  Such a bond is lost at once where the joint opens.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.tolerances import BOND_TIE, BUILT_SHUT, LEAST_STRENGTH, TOGETHER
-from drystone.contact.contacts import FRICTION, NONE, Slots
+from drystone.contact.contacts import FRICTION, INTERCEPT, NONE, STIFF_N, Slots
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import COHESION, MU, TENSION
@@ -41,10 +42,11 @@ def shear(reaction: Array) -> Array:
     return np.abs(size)
 
 
-def margins(judged: JudgedContacts, slack: float) -> Array:
+def margins(judged: JudgedContacts, slack: float, tears: BoolArray) -> Array:
     """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
 
-    ``slack`` [N] is how well reactions are known: none breaks for less.
+    ``slack`` [N] is how well reactions are known: none breaks for less.  ``tears`` (n_contacts,)
+    are those whose bond slip softens, and opening breaks.
     """
     normal, tangential = judged.reaction[:, 0], shear(judged.reaction)
     bond, tension = judged.strength
@@ -53,7 +55,14 @@ def margins(judged: JudgedContacts, slack: float) -> Array:
     along = np.divide(along, np.maximum(bond, LEAST_STRENGTH * tension), where=bonded, out=along)
     across = normal + tension + slack
     across = np.divide(across, np.maximum(tension, LEAST_STRENGTH * bond), where=bonded, out=across)
-    return np.where(bonded, np.minimum(along, across), np.inf)
+    margin = np.where(bonded, np.minimum(along, across), np.inf)
+    table = judged.contacts.table[tears]
+    cohesion = table[:, INTERCEPT] * judged.whole[tears]
+    pressure = slack - table[:, STIFF_N] * judged.gap[tears]  # goes on where the joint is open
+    opens = np.full(len(cohesion), np.inf)
+    np.divide(pressure, LEAST_STRENGTH * cohesion, where=cohesion > 0.0, out=opens)
+    margin[tears] = opens
+    return margin
 
 
 def weakest(margin: Array) -> IntArray:

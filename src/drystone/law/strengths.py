@@ -95,6 +95,8 @@ class Strengths:
         self.smooth = not np.isfinite([self.closure, self.log_closure]).any()
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
+        #: Laws whose bonds opening breaks at once: it has no energy to take.
+        self.tears: BoolArray = self.bonded & (self.tension == 0.0)
         #: (n_laws, N_LAW), see `law.columns`.
         self.table = law_table(assembly)
         #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no

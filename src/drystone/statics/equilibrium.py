@@ -580,7 +580,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         )
         margin = np.full(len(heirs.source), np.inf)
         if prepared.gives_way:
-            margin[judged.contacts.slot] = margins(judged, 0.0)
+            used = judged.contacts.slot
+            tears = prepared.strengths.tears[state.pairs.law_of_slot[used]]
+            margin[used] = margins(judged, 0.0, tears)
             margin = heirs.of(margin, np.inf)
         pose, ties = prepared.assembly.moved(state.pose, solved.increment), state.ties
         if own.ties:

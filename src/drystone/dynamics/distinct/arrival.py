@@ -121,7 +121,9 @@ def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Ar
     """Of the bonds, by slots, and of the ties."""
     margin = np.full(len(work.slots.kind), np.inf)
     if work.prepared.brittle:
-        margin[contacts.contacts.slot] = margins(contacts, _slack(work))
+        used = contacts.contacts.slot
+        tears = work.prepared.strengths.tears[work.pairs.law_of_slot[used]]
+        margin[used] = margins(contacts, _slack(work), tears)
     return np.concatenate((margin, TIES_NEARER * ties_margin))
 
 
