@@ -67,3 +67,16 @@ def test_random_hulls_overlap_where_they_share_a_ball(one, other, seed):
     by = depth(p, q)
     if abs(found.x[3]) > 1e-6:
         assert (by > 0.0) == (found.x[3] > 0.0)
+
+
+def test_a_ridge_upon_a_ridge_across_it():
+    """The normals of both bases lie along the axis that keeps both apart, but turned away."""
+    roof = hull(np.array([
+        [-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, -1.0],
+        [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0],
+    ]))  # fmt: skip
+    upside_down = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    for gap in (-0.05, 0.0, 1e-9, 0.02):
+        other = moved(roof, (0.0, 0.0, gap), upside_down)
+        assert depth(roof, other) == pytest.approx(-gap, abs=1e-12)
+        assert depth(other, roof) == pytest.approx(-gap, abs=1e-12)

@@ -92,14 +92,20 @@ def _between_faces(p: _Shape, q: _Shape) -> float:
 
 
 def _axes(p: _Shape, q: _Shape) -> Array:
-    """Unit vectors (n, 3) across an edge of either, but for those that are normals of faces."""
+    """Unit vectors (n, 3) across an edge of either, but for those that faces stand for.
+
+    A face of p keeps q off to its own side alone: an axis is left out where faces of p or q stand
+    for both of its senses.
+    """
     axes = np.cross(p.directions[:, None], q.directions[None]).reshape(-1, 3)
     length = np.linalg.norm(axes, axis=1)
     axes = axes[length > PARALLEL_EDGES] / length[length > PARALLEL_EDGES, None]
-    normals = np.vstack((p.normals, q.normals))
+    towards_q = np.vstack((p.normals, -q.normals))
     # The sine, not the cosine: that of a small angle differs from one by its square.
-    sine = np.linalg.norm(np.cross(axes[:, None], normals[None]), axis=2)
-    return np.asarray(axes[np.all(sine > ROUNDING, axis=1)])
+    parallel = np.linalg.norm(np.cross(axes[:, None], towards_q[None]), axis=2) <= ROUNDING
+    same = axes @ towards_q.T > 0.0
+    both = np.any(parallel & same, axis=1) & np.any(parallel & ~same, axis=1)
+    return np.asarray(axes[~both])
 
 
 def _along(p: _Shape, q: _Shape, axes: Array) -> float:
