@@ -650,6 +650,23 @@ def test_a_cyclic_curve_that_does_not_go_far_enough_has_no_verdict(made, tmp_pat
     assert result.exit_code == 3 and "3 displacements of the history" in result.output
 
 
+def test_of_a_cyclic_curve_the_sense_that_goes_far_enough_has_the_verdict(made, tmp_path):
+    """The same of the model file and of its folder; along the load it turns back too early."""
+    model = ds.read_model(made / "wall.toml").with_history([0.02, -1.2 * WIDTH])
+    write_model(model, tmp_path / "one.toml")
+    of_model = drystone(
+        "assess", tmp_path / "one.toml", *FLAGS, "--out", tmp_path / "out", "--json"
+    )
+    of_folder = drystone("assess", tmp_path / "out", *FLAGS, "--json")
+    assert of_model.exit_code == of_folder.exit_code == 0, of_model.output
+    assert not (tmp_path / "out" / "opposite").exists()  # both senses are on one curve
+    for told in map(json.loads, (of_model.stdout, of_folder.stdout)):
+        assert told["governing_sense"] == "against the load"
+        assert told["senses"]["along the load"]["status"] == "no verdict"
+        assert told["satisfied"] is not None
+        assert "along the load there is no verdict" in told["assumptions"][0]
+
+
 def test_the_outward_curve_has_what_happened_up_to_each_point(cyclic):
     curve = ds.load_results(cyclic).curve
     outward = curve.outward()

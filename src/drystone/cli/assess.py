@@ -288,7 +288,7 @@ def _conclude(senses: Sequence[Sense], formats: Sequence[str], *, as_json: bool)
         pictures = _pictures(governing.verdict, first.model.title, formats)
     result = written(result)
     write_assessment(first.folder, result, pictures)
-    if first.verdict is None:
+    if governing.verdict is None:
         problems = [spoken(first.problem or "there is no verdict")]
         fail(UNFINISHED, problems, as_json=as_json, extra=result)
     if as_json:

@@ -35,8 +35,9 @@ class Sense:
     name: str
     model: Model
     folder: Path
-    curve: CapacityCurve | None
+    curve: CapacityCurve | None  # in this sense
     verdict: Verdict | None
+    traced: CapacityCurve | None = None  # of a cyclic one both senses
     sha256: str = ""  # digest of what was traced, as in the folder
     problem: str | None = None  # why there is no verdict
     warnings: tuple[str, ...] = ()
@@ -93,8 +94,8 @@ def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
     first = _traced_one(FORWARD, model, folder, ask)
     if not _both(ask, model):
         return [first]
-    if first.curve is not None and first.curve.is_cyclic:
-        return [first, _judged_against(model, first.curve, folder, first.sha256)]
+    if first.traced is not None and first.traced.is_cyclic:
+        return [first, _judged_against(model, first.traced, folder, first.sha256)]
     return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
 
 
@@ -299,13 +300,14 @@ def _judged(
         verdict = verdict_on(curve, model, request, against=against)
     except UnfinishedError as error:
         problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)
-        curve, model = in_one_sense(curve, model, against=against)
+        outward, model = in_one_sense(curve, model, against=against)
         return Sense(
             name=name,
             model=model,
             folder=folder,
-            curve=curve,
+            curve=outward,
             verdict=None,
+            traced=curve,
             sha256=sha256,
             problem=problem,
             warnings=() if name == FORWARD else (problem,),
@@ -320,6 +322,7 @@ def _judged(
         folder=folder,
         curve=curve,
         verdict=verdict,
+        traced=curve,
         sha256=sha256,
         warnings=warnings,
     )
