@@ -85,3 +85,14 @@ def test_where_the_other_sense_has_no_verdict_none_governs(tmp_path):
     assert row["safety_index"] > 0.0
     assert row["reason"].count("against the load: ") == 1
     assert pd.isna(row["governing_sense"]) and pd.isna(row["governing_safety_index"])
+
+
+def test_a_sample_without_a_verdict_keeps_its_curve_and_its_limit(tmp_path):
+    (tmp_path / "wall.toml").write_text(LEANING + "[analysis]\nmax_displacement = 0.05\n")
+    study = STUDY.replace('outputs = ["senses"]', 'outputs = ["curve", "limit", "assess"]')
+    out = tmp_path / "out"
+    frame = ds.study(written(tmp_path, study), out=out, workers=1, figures=False)
+    for _, row in frame.iterrows():
+        assert row["status"] == "finished" and "no verdict: " in row["reason"]
+        assert pd.isna(row["safety_index"])
+        assert 0.99 < row["peak_multiplier"] / row["limit_associative"] < 1.0

@@ -189,11 +189,9 @@ def _analysed(
         found |= _of_curve(curve)
         traced = resampled(curve.control_displacement, curve.load_multiplier, task.points)
         if _assesses(task):
-            verdict = curve.assess(model)
-            found |= _of_verdict(verdict)
-            if "senses" in task.outputs:
-                found |= _of_senses(task, model, verdict)
-                found["reason"] = "; ".join(filter(None, (found["reason"], found.pop("why"))))
+            judged = _judged(task, model, curve)
+            found["reason"] = "; ".join(filter(None, (found["reason"], judged.pop("why"))))
+            found |= judged
     if "limit" in task.outputs:
         limits = _of_limits(model)
         if not limits.pop("status") and traced is None:
@@ -262,6 +260,19 @@ def _is_certified(curve: Any) -> bool:
     return bool(
         curve.status == FINISHED and (limit is None or all(residual <= limit for residual in rest))
     )
+
+
+def _judged(task: Task, model: Any, curve: Any) -> dict[str, Any]:
+    """What an assessment tells; where there is no verdict, ``why`` says the reason: the curve, and
+    what limit analysis finds, are those of the sample all the same."""
+    from drystone.assessment.errors import AssessmentError
+
+    try:
+        verdict = curve.assess(model)
+    except AssessmentError as error:
+        return {"why": f"no verdict: {reason_of(error)}"}
+    found = {"why": "", **_of_verdict(verdict)}
+    return found | _of_senses(task, model, verdict) if "senses" in task.outputs else found
 
 
 def _of_verdict(verdict: Any) -> dict[str, Any]:
