@@ -231,6 +231,19 @@ class TestConvert:
         a, b = (ds.collapse_load(m, flow="associative").load_multiplier for m in (first, again))
         assert b == pytest.approx(a, rel=1e-6)  # of the solver
 
+    def test_what_names_blocks_of_the_other_model_is_left_out_and_told(self, folder, model):
+        assert run(model, folder / "again.obj")[0] == 0
+        site = '[site]\ncode = "ec8"\nag = 0.2\ntype = 1\nground = "B"\nimportance = "II"\n'
+        dead = '[[dead_load]]\nkind = "point"\nblock = "c0"\nforce = [0.0, -1.0]\n'
+        model.write_text(model.read_text() + site + '[assessment]\nmethod = "ec8-n2"\n' + dead)
+        back = folder / "back.toml"
+        given = ("--unit", "m", "--up", "z", "--like", model, "--material", "stone")
+        code, told, _ = run(folder / "again.obj", back, *given)
+        text = back.read_text()
+        assert code == 0 and "[site]" in text and "[assessment]" in text
+        assert "dead_load" not in text
+        assert any("[dead_load] left out" in note for note in told["notes"])
+
     def test_peaks_of_drawings_are_those_of_the_model(self, folder, model):
         first = read_model(model)
         exact = peak(first)

@@ -14,6 +14,7 @@ import numpy as np
 
 from drystone.geometry.mended import Mended
 from drystone.io.drawings import Imported, ImportSettings, imported
+from drystone.io.modelfile.named import files_named
 from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.write import to_toml
 from drystone.model.assembly import Block
@@ -32,7 +33,12 @@ TAKEN = (
     "load",
     "control",
     "analysis",
+    "output",
+    "site",
+    "assessment",
 )
+#: Tables that name blocks of their own file, or places on them.
+LEFT = ("dead_load", "tie", "spring", "settlement", "group")
 WHAT = "# A drawing does not say this: fill in your numbers and remove the marks.\n"
 #: Tables that a model needs and no drawing has, as lines to fill in.
 TO_FILL = {
@@ -68,15 +74,7 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     ModelError
         The drawing cannot be read, or the other model file is none.
     """
-    known: dict[str, Any] = {}
-    if like is not None:
-        try:
-            given = parse(
-                read_bytes(like, "the model file"), is_json=like.suffix.lower() == ".json"
-            )
-        except ModelError as error:
-            raise ModelError(f"{like}: {problem}" for problem in error.problems) from None
-        known = {key: given[key] for key in TAKEN if key in given}
+    known, notes = ({}, []) if like is None else _of_another(like)
     materials = known.get("material")
     names = list(materials) if isinstance(materials, dict) else []
     # Weights are for whoever reads the model file; here only names matter.
@@ -97,7 +95,7 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     missing = [
         key for key in TO_FILL if key not in known and (key != "thickness" or dimension == 2)
     ]
-    notes = list(made.notes)
+    notes = [*made.notes, *notes]
     if missing:
         tables = ", ".join("thickness" if key == "thickness" else f"[{key}]" for key in missing)
         notes.append(f"a drawing does not say {tables}: fill in what is marked in the file")
@@ -105,6 +103,22 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     return FromDrawing(
         text=head + to_toml(data) + tail, blocks=made.blocks, mended=made.mended, notes=tuple(notes)
     )
+
+
+def _of_another(like: Path) -> tuple[dict[str, Any], list[str]]:
+    """The tables that are taken from another model file, and a note on those that are not."""
+    try:
+        given = parse(read_bytes(like, "the model file"), is_json=like.suffix.lower() == ".json")
+    except ModelError as error:
+        raise ModelError(f"{like}: {problem}" for problem in error.problems) from None
+    known, left = {}, []
+    for key, table in given.items():
+        if key in LEFT or (key in TAKEN and files_named({key: table})):
+            left.append(f"[{key}]")
+        elif key in TAKEN:
+            known[key] = table
+    note = f"{like}: {', '.join(left)} left out: blocks or files of that model are named there"
+    return known, [note] if left else []
 
 
 def _material(layer: str, names: Sequence[str], given: str | None) -> str:
