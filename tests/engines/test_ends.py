@@ -330,3 +330,22 @@ def test_a_far_equilibrium_below_the_stop_value_ends_no_curve():
     peaks = ours.peak.load_multiplier, other.peak.load_multiplier
     assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
     assert ours.ultimate_displacement == pytest.approx(other.ultimate_displacement, rel=0.01)
+
+
+@ENGINES
+def test_a_slender_wall_is_followed_to_a_tenth_of_its_peak(engine):
+    """It overturns at b / h = 0.05, and carries a tenth of that at nine tenths of b.
+
+    A stop value that somebody gives ends it there.
+    """
+    model = stack((0.1, 2.0), joint=stiff_joint(0.6))
+    curve = pushover(model, engine=engine)
+    peak = curve.peak.load_multiplier
+    assert peak == pytest.approx(0.05, rel=0.02)
+    assert curve.status == "finished"
+    assert curve.stop_multiplier == pytest.approx(0.1 * peak, rel=1e-9)
+    assert 0.0 <= curve.points[-1].load_multiplier < curve.stop_multiplier
+    assert curve.ultimate_displacement == pytest.approx(0.09, rel=0.03)
+    asked = pushover(model, engine=engine, stop_multiplier=0.02)
+    assert asked.stop_multiplier == 0.02
+    assert asked.ultimate_displacement == pytest.approx(0.06, rel=0.03)

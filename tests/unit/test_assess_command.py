@@ -686,3 +686,17 @@ def test_supports_that_move_are_not_assessed(tmp_path):
     done = CliRunner().invoke(app, ["assess", str(path), *FLAGS, "--out", str(tmp_path / "out")])
     assert done.exit_code == 2 and "give a [load] to assess" in done.output
     assert not (tmp_path / "out").exists()
+
+
+def test_a_slender_wall_has_a_verdict(tmp_path):
+    """lambda_0 = b / h = 0.05; nothing is carried any more where the top has moved by b."""
+    write_model(on_base(0.3, (6.0,), friction=0.7, stiffness=1e11), tmp_path / "slender.toml")
+    told = drystone(
+        "assess", tmp_path / "slender.toml", *FLAGS, "--out", tmp_path / "out", "--json"
+    )
+    assert told.exit_code == 0, told.output
+    found = json.loads(told.stdout)
+    assert found["activation_multiplier"] == pytest.approx(0.05, rel=1e-3)
+    # d0* = d_C0 / Gamma, and Gamma = 2 at the top of one body.
+    assert found["collapse_displacement"] == pytest.approx(0.15, rel=5e-3)
+    assert found["safety_index"] > 0.0

@@ -405,7 +405,7 @@ class _Run:
     @property
     def _highest(self) -> float:
         """The highest multiplier of the points at rest so far."""
-        return max(p.load_multiplier for p in self.points if p.status == STATIC)
+        return max((p.load_multiplier for p in self.points if p.status == STATIC), default=0.0)
 
     @property
     def _problem(self) -> Problem:
@@ -614,7 +614,7 @@ class _Run:
             status=status,
             # What was left out of the model belongs to how far the curve can be trusted.
             reason="; ".join(filter(None, (reason, *map(str, self.left), *self.notes))),
-            stop_multiplier=self.model.analysis.stop_multiplier,
+            stop_multiplier=ends.stop_after(self._highest, self.model.analysis.stop_multiplier),
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
             load_force=self.model.load_force,

@@ -306,7 +306,7 @@ def report(title: str, curve: CapacityCurve, folder: Path, beside: Beside) -> st
     elif curve.ends_in_motion:
         end = f"{ultimate:.4f} m, where the structure collapses in motion"
     else:
-        end = f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:g}"
+        end = f"{ultimate:.4f} m, where the multiplier falls to {curve.stop_multiplier:.3g}"
     highest = curve.name_of_peak.replace("peak", "peak multiplier")
     whole = curve.capacity
     capacity = (

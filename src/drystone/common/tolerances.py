@@ -363,6 +363,11 @@ TURNING_FRICTION = 0.3
 #: Load multiplier under which a curve ends, after its peak.  Convention.
 STOP_MULTIPLIER = 0.01
 
+#: Share of the peak under which it ends, where that is less and nothing else is asked for.
+#: Convention: a slender wall carries 0.05, and of its branch nothing may be left out that
+#: assessment draws on to zero.
+STOP_SHARE = 0.1
+
 #: Least load multiplier that inertia is measured over, in controls and engines.
 #: Derived: a tenth of `STOP_MULTIPLIER`, below which nothing is followed.
 LEAST_LOAD = 0.1 * STOP_MULTIPLIER

@@ -183,7 +183,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return self._under_load(state, report)
         if not report.converged or self._snaps(state, report):
             return self._retry(state, report)
-        if self._thrown_back(state, report) or self._falls_freely(report):
+        if self._thrown_back(state, report) or self._falls_freely(state, report):
             report = changed(report, dynamic=True)  # it is another structure at rest
         multiplier = report.static_multiplier
         advanced = report.reached * state.increment
@@ -289,14 +289,15 @@ class DisplacementControl(Strategy[DisplacementState]):
         s = self.settings
         multiplier = report.static_multiplier
         least = s.refined_share * s.displacement_step
-        if multiplier < s.stop_multiplier < state.last:
+        stop = s.stop_after(state.highest)
+        if multiplier < stop < state.last:
             # Aim just below the stop value, along the chord; that of a jump has nothing upon it.
-            if s.stop_multiplier - multiplier <= s.refined_share * s.stop_multiplier:
+            if stop - multiplier <= s.refined_share * stop:
                 return None
             if self._is_jump(state, report):
                 finer = 0.25 * state.increment
                 return finer if finer > s.floor_share * s.displacement_step else None
-            aim = (1.0 - 0.5 * s.refined_share) * s.stop_multiplier
+            aim = (1.0 - 0.5 * s.refined_share) * stop
             share = (state.last - aim) / (state.last - multiplier)
             if state.n_shorter >= CHORDS:
                 share = 0.5 * share  # what is bent so much is found by halves
@@ -425,7 +426,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             drop = expected - report.static_multiplier
         return abs(drop) > s.snap_share * self._scale(state)
 
-    def _falls_freely(self, report: StepReport) -> bool:
+    def _falls_freely(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the control point moves far without load within a step that ends at rest, and the
         structure would carry again there.
 
@@ -433,10 +434,11 @@ class DisplacementControl(Strategy[DisplacementState]):
         the one that was loaded.  If it carries nothing at rest, that point ends the curve anyway.
         """
         s, since = self.settings, math.inf
-        if report.static_multiplier < s.stop_multiplier:
+        stop = s.stop_after(state.highest)
+        if report.static_multiplier < stop:
             return False
         for _, passed in report.path.dynamic_states:
-            if passed.static_multiplier >= s.stop_multiplier:
+            if passed.static_multiplier >= stop:
                 since = math.inf
                 continue
             since = min(since, passed.control_displacement)
@@ -450,8 +452,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         An equilibrium far away need not be the one that the structure falls to.  An engine that
         reports an overshoot has followed the step in motion, so that its end counts.
         """
-        below = report.static_multiplier < self.settings.stop_multiplier < state.last
-        return below and report.path.overshoot is None
+        stop = self.settings.stop_after(state.highest)
+        return report.static_multiplier < stop < state.last and report.path.overshoot is None
 
     def _retry(self, state: DisplacementState, report: StepReport) -> Decision[DisplacementState]:
         s, floor = self.settings, self._floor(state)
@@ -616,7 +618,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         s, carried = self.settings, self._carried(state)
         if self._thrown_back(state, report):
             return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)
-        if self._falls_freely(report):
+        if self._falls_freely(state, report):
             return fallen_freely(carried, s.stop_multiplier)
         if state.fallen > s.fall_motion * s.displacement_step:
             if carries_nothing(s, carried):

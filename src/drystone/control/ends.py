@@ -22,6 +22,7 @@ __all__ = [
     "end_of_curve",
     "fallen_freely",
     "nothing_carried",
+    "stop_after",
 ]
 
 #: Steps in which whatever carries anything carries more than `NEXT_TO_NOTHING` of the stop value.
@@ -42,6 +43,18 @@ class EndSettings:
     )  # under which the curve ends, after the peak
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
     farthest: float = math.inf  # m, that the control point moves: what is lifted has no end
+
+    def stop_after(self, highest: float) -> float:
+        """The multiplier under which a curve with such a peak ends."""
+        return stop_after(highest, self.stop_multiplier)
+
+
+def stop_after(highest: float, stop_multiplier: float) -> float:
+    """The multiplier under which a curve with a peak ends: the stop value, or, where that is the
+    default, a share of the peak that is less."""
+    if stop_multiplier != tolerances.STOP_MULTIPLIER or highest <= stop_multiplier:
+        return stop_multiplier
+    return min(stop_multiplier, tolerances.STOP_SHARE * highest)
 
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
@@ -67,8 +80,9 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     for stop, value in s.stops:
         if stop.first and (end := stop.end(value, p)):
             return end
-    if onwards and p.multiplier < s.stop_multiplier < p.highest:
-        return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
+    stop_value = s.stop_after(p.highest)
+    if onwards and p.multiplier < stop_value < p.highest:
+        return End(reason=say("end.fell_below", stop=stop_value), finished=True)
     nothing = carries_nothing(s, p.highest)
     share = tolerances.NEXT_TO_NOTHING
     down = onwards and p.multiplier < share * p.highest <= share * s.stop_multiplier

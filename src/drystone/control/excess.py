@@ -203,7 +203,7 @@ class ExcessControl(Strategy[ExcessState]):
         )
 
     def _low_since(self, state: ExcessState, report: StepReport, dynamic: bool) -> float | None:
-        if not dynamic or state.static >= self.settings.stop_multiplier:
+        if not dynamic or state.static >= self.settings.stop_after(state.highest):
             return None
         return report.control_displacement if state.low_since is None else state.low_since
 
@@ -212,7 +212,7 @@ class ExcessControl(Strategy[ExcessState]):
         s, begun_at = self.settings, state.begun_at
         if dynamic:
             begun_at = None
-        elif state.moving and state.static < s.stop_multiplier:
+        elif state.moving and state.static < s.stop_after(state.highest):
             begun_at = report.control_displacement
         elif begun_at is not None and (
             report.control_displacement > begun_at + s.displacement_step

@@ -108,8 +108,9 @@ def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
     """The end of a leg beyond the first before its displacement, or None; in its own sense."""
     s, p = settings, progress
     onwards = p.may_end(max(p.highest_at, 0.0))
-    if onwards and p.multiplier < s.stop_multiplier < p.highest:
-        return End(reason=say("end.fell_below", stop=s.stop_multiplier), finished=True)
+    stop_value = s.stop_after(p.highest)
+    if onwards and p.multiplier < stop_value < p.highest:
+        return End(reason=say("end.fell_below", stop=stop_value), finished=True)
     for stop, value in s.stops:
         if end := stop.end(value, p):
             return end
@@ -238,8 +239,8 @@ class HistoryControl(InLegs, DisplacementControl):
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         return False  # where the control point is, the history says
 
-    def _falls_freely(self, report: StepReport) -> bool:
-        return report.control_displacement > 0.0 and super()._falls_freely(report)
+    def _falls_freely(self, state: DisplacementState, report: StepReport) -> bool:
+        return report.control_displacement > 0.0 and super()._falls_freely(state, report)
 
     def _fallen(self, state: DisplacementState, report: StepReport) -> float:
         return super()._fallen(state, report) if report.control_displacement > 0.0 else 0.0

@@ -84,7 +84,7 @@ class PublishedControl(Strategy[_State]):
         applied = report.applied_multiplier
         # More than was ever carried in balance moves the structure, and is no peak.
         beyond = decision.accept and applied > decision.state.highest
-        low = state.descending and applied < self.settings.stop_multiplier
+        low = state.descending and applied < self.settings.stop_after(state.highest)
         stands = low and not self._goes_on(state, report)
         # What is applied is carried: the strategy's own measure of rest.
         missing = abs(applied - report.carried_multiplier)

@@ -234,7 +234,7 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
         text = f"{canvas.literal(label)}: {lowest:.3f} to {peak.load_multiplier:.3f}"
         text = text.removeprefix(": ")
     if curve.ultimate_displacement is not None:
-        text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:g}"
+        text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:.3g}"
     axes.plot(
         x,
         y,
@@ -335,7 +335,7 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         marker, face = "D", canvas.INK
     elif ultimate is not None:
         x, y = ultimate * unit.per_metre, curve.stop_multiplier
-        text, label = f"{length_text(ultimate)}\nat $λ$ = {y:g}", "ultimate displacement"
+        text, label = f"{length_text(ultimate)}\nat $λ$ = {y:.3g}", "ultimate displacement"
         marker, face = "D", canvas.INK
     else:
         x, y = last.control_displacement * unit.per_metre, last.load_multiplier

@@ -9,11 +9,10 @@ import numpy as np
 from drystone.assessment.errors import UnfinishedError
 from drystone.common.arrays import Array
 from drystone.common.language import say
+from drystone.common.tolerances import STOP_SHARE
 from drystone.results.curve import STATIC, CapacityCurve
 from drystone.results.events import first_collapse
 
-#: A branch that has come down to this share of the peak is drawn on to a multiplier of zero.
-LOW = 0.1
 #: Share of the last displacement over which the slope of that branch is taken.
 TAIL = 0.02
 
@@ -99,7 +98,7 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
         if event is None:
             return float(d[-1]), False, say("mechanism.falls", **there)
         return float(d[-1]), False, say("mechanism.falls_where", what=event.what, **there)
-    if top == len(x) - 1 or x[-1] > LOW * x[top]:
+    if top == len(x) - 1 or x[-1] > STOP_SHARE * x[top]:
         return None, False, ""
     before = top + int(np.argmax(d[top:] >= (1.0 - TAIL) * d[-1]))
     before = min(before, len(d) - 2)

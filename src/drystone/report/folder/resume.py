@@ -10,6 +10,7 @@ from typing import Any
 from drystone.analysis.driver import cannot_resume, pushover, resumed
 from drystone.analysis.sitting import SITTING
 from drystone.common.ranges import problem
+from drystone.control.ends import stop_after
 from drystone.control.stops import STOPS
 from drystone.engines import make_engine
 from drystone.engines.base import Engine, EngineError
@@ -108,8 +109,9 @@ def check_farther(kept: Kept, ends: Mapping[str, float | None]) -> None:
         return
     analysis = kept.model.analysis
     stop, farthest = ends.get("stop_multiplier"), ends.get("max_displacement")
-    if stop is not None and stop > analysis.stop_multiplier:
-        went_to = analysis.stop_multiplier
+    highest = max(point.load_multiplier for point in kept.past.points)
+    went_to = stop_after(highest, analysis.stop_multiplier)
+    if stop is not None and stop > went_to:
         raise EngineError(f"stop_multiplier: the run went to {went_to:g} already: take less")
     reached = max(point.control_displacement for point in kept.past.points)
     again = farthest == analysis.options.get("max_displacement")  # a command repeated after a kill
