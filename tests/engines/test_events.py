@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.builders import rectangle
 
 import drystone as ds
+from builders import rectangle
 from drystone.common.language import said_end, say
 from drystone.limit import limits_beside, on_what_moves
 from drystone.model.assembly import Block

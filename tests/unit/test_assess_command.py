@@ -700,3 +700,58 @@ def test_a_slender_wall_has_a_verdict(tmp_path):
     # d0* = d_C0 / Gamma, and Gamma = 2 at the top of one body.
     assert found["collapse_displacement"] == pytest.approx(0.15, rel=5e-3)
     assert found["safety_index"] > 0.0
+
+
+#: A strip 0.30 m thick and 6 m high in twelve blocks, which a spring holds near its top.
+HELD = """
+dimension = 2
+thickness = 1.0
+[material.stone]
+unit_weight = 18e3
+[joint]
+friction_coefficient = 0.6
+normal_stiffness = 5e10
+shear_stiffness = 2e10
+[[block]]
+id = "ground"
+vertices = [[-1.0, -0.5], [2.0, -0.5], [2.0, 0.0], [-1.0, 0.0]]
+support = true
+[[build]]
+kind = "column"
+name = "w"
+width = 0.30
+height = 6.0
+n_blocks = 12
+[[spring]]
+name = "floor"
+from = {block = "w/b12", point = [0.0, 5.75]}
+to = {block = "ground", point = [-4.0, 5.75]}
+stiffness = 1e7
+[load]
+pattern = "mass"
+direction = [1.0, 0.0]
+"""
+
+
+class TestControlPointThatGoesBackwards:
+    """The wall bends between its foot and the spring: its top, held below, goes backwards."""
+
+    def assessed(self, folder, control=""):
+        (folder / "held.toml").write_text(HELD + control)
+        where = ("--out", folder / "out", "--one-sense")
+        return drystone("assess", folder / "held.toml", *FLAGS, *where, "--json")
+
+    def test_where_nobody_names_one_it_goes_to_what_moves(self, tmp_path):
+        found = json.loads(self.assessed(tmp_path).stdout)
+        named = json.loads(self.assessed(tmp_path, '[control]\nblock = "w/b8"\n').stdout)
+        # Virtual work of two bodies with a hinge in a joint of the blocks, the lowest of eleven.
+        assert found["activation_multiplier"] == pytest.approx(0.1447, rel=1e-3)
+        for key in ("activation_multiplier", "participating_mass_ratio", "safety_index"):
+            assert found[key] == pytest.approx(named[key], rel=2e-2), key
+        assert found["participating_mass_ratio"] > 0.98
+
+    def test_one_that_is_named_there_gives_no_verdict(self, tmp_path):
+        """The jump, with the top held, says next to nothing of how the wall moves over it."""
+        told = self.assessed(tmp_path, '[control]\nblock = "w/b12"\n')
+        assert told.exit_code == 2
+        assert "control point stands still in the mechanism" in told.stderr

@@ -281,7 +281,7 @@ def _is_enough(curve: CapacityCurve, model: Model) -> bool:
     if curve.status == "interrupted" or not model.control_point.default:
         return True
     first = curve.first_collapse
-    if first is None:
+    if first is None or curve.status != FINISHED:
         return curve.status == FINISHED
     return model.assembly.ids[model.control_point.block] in falls_with(curve.events, first)
 

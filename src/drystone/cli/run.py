@@ -287,8 +287,8 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
         found.append(say("end.control_moved", block=control))
     elif beside.control_still:
         found.append(
-            f'the control point, on the block "{control}", does not move in the mechanism of limit '
-            "analysis: put [control] on the part that moves"
+            f'the control point, on the block "{control}", hardly moves, or goes backwards, in the '
+            "mechanism of limit analysis: put [control] on the part that moves"
         )
     warning = beside.warning(curve, model)
     return [*found, warning] if warning else found

@@ -290,15 +290,17 @@ def _judged(
     against: bool = False,
 ) -> Sense:
     """The verdict on a curve, or why there is none: its own fault, for that of the input is
-    raised; ``against`` as of `verdict_on`."""
-    from drystone.assessment.errors import UnfinishedError
+    raised along the load; ``against`` as of `verdict_on`."""
+    from drystone.assessment.errors import AssessmentError, UnfinishedError
     from drystone.assessment.request import request_of
     from drystone.assessment.verdict import in_one_sense, sense_words, verdict_on
 
     request = request_of(model.site, model.assessment)
     try:
         verdict = verdict_on(curve, model, request, against=against)
-    except UnfinishedError as error:
+    except AssessmentError as error:
+        if name == FORWARD and not isinstance(error, UnfinishedError):
+            raise
         problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)
         outward, model = in_one_sense(curve, model, against=against)
         return Sense(

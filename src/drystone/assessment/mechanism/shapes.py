@@ -30,6 +30,10 @@ POINTS = 6
 FORMED = 0.8
 #: Points after the peak that the initial mechanism is read from at least, where there are as many.
 FEWEST = 3
+#: Motion of a block in a jump, over the smallest block, after which the mechanism is read there.
+FAR = 0.01
+#: Velocity of the control point, over that of the fastest block, with which it takes no part.
+HARDLY = 0.01
 #: Share of the peak up to which displacements are those of joints that are closed.
 ELASTIC = 0.2
 #: Points of a course along the curve, about.
@@ -100,16 +104,15 @@ def initial_shape(curve: CapacityCurve, model: Model) -> MechanismShape:
         mechanism.
     """
     poses = _poses(curve)
-    top, end, how = _past_the_peak(curve)
     assembly, control = model.assembly, model.control_point
+    top, end, how = _past_the_peak(curve, assembly)
     field = chord(assembly, poses[top], poses[end])
-    rate = _elastic_row(curve, top)
-    x = curve.load_multiplier
-    if rate is not None:
+    rate, x = _elastic_row(curve, top), curve.load_multiplier
+    if rate is not None and curve.points[end].status == STATIC:
         share = (x[end] - x[top]) / (x[rate] - x[0])
         field = less(field, chord(assembly, poses[0], poses[rate]), share)
     over = field.carried_to(assembly.centroid).over(control, control.point)
-    if over is None:
+    if over is None or np.abs(over.velocity).max() > 1.0 / HARDLY:
         raise AssessmentError(say("refused.control_still"))
     return _shape(curve, model, over, row=top, how=how)
 
@@ -307,7 +310,20 @@ def activation_row(curve: CapacityCurve) -> int:
     return top
 
 
-def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
+def _far_in_motion(curve: CapacityCurve, assembly: Assembly, top: int) -> int:
+    """The row after a peak, in motion, by which a block has moved so far that what joints give does
+    not count; the last one of the motion where none has."""
+    poses, least = _poses(curve), FAR * assembly.smallest_extent
+    row = top + 1
+    while row + 1 < len(curve.points) and curve.points[row].status != STATIC:
+        moved = motion.translations(poses[row]) - motion.translations(poses[top])
+        if np.abs(moved).max() >= least:
+            break
+        row += 1
+    return row
+
+
+def _past_the_peak(curve: CapacityCurve, assembly: Assembly) -> tuple[int, int, str]:
     """Two rows between which the mechanism is read, and how to say so."""
     top = activation_row(curve)
     x = curve.load_multiplier
@@ -320,7 +336,7 @@ def _past_the_peak(curve: CapacityCurve) -> tuple[int, int, str]:
         known = {"status": curve.status, "reason": said_end(curve.reason)}
         raise UnfinishedError(say("refused.before_peak", **known))
     if top + 1 < len(curve.points):
-        return top, top + 1, say("mechanism.jump")
+        return top, _far_in_motion(curve, assembly, top), say("mechanism.jump")
     before = [k for k in _run(curve, top) if k < top]
     if not before:
         raise UnfinishedError(say("refused.one_point"))
