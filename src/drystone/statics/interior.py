@@ -234,14 +234,11 @@ class InteriorPoint:
         ahead = tolerances.PREDICTOR_RADIUS * energy
         far = self._length(ahead, ahead)
         reachable = cones.energy_at(joint, far, inner, change)
-        share = (
-            min(
-                max((reachable / energy) ** 3, tolerances.LEAST_REDUCTION),
-                tolerances.MOST_REDUCTION,
-            )
-            if energy > 0.0
-            else 0.0
-        )
+        share = 0.0
+        if energy > 0.0:
+            most = tolerances.MOST_REDUCTION
+            left = min(reachable / energy, 1.0)  # beyond that the largest share is taken
+            share = min(max(left**3, tolerances.LEAST_REDUCTION), most)
         second = attempt.second and far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
