@@ -55,3 +55,71 @@ def test_it_rises_and_carries_on(engine, chip, space):
     risen = curve.poses[:, row, model.assembly.dimension - 1]
     expected = np.tan(np.radians(ANGLE)) * np.minimum(slid, model.assembly.longest_slide)
     assert risen == pytest.approx(expected, abs=1e-3 * LENGTH)
+
+
+class TestWhereDilatancyEnds:
+    """A block of 0.8 x 0.5 m under a long spring: it rises by end tan(psi), however far it goes on.
+
+    The step in which the slip reaches the end is cut there, whatever its length.
+    """
+
+    END, STIFFNESS, WIDTH, BLOCK = 0.003, 1e7, 0.8, 0.5  # m, N/m, m, m
+
+    def model(self, *, spring):
+        joint = ds.JointLaw(
+            friction_coefficient=FRICTION,
+            normal_stiffness=1e10,
+            shear_stiffness=1e10,
+            dilatancy_angle=ANGLE,
+            dilatancy_end=self.END,
+        )
+        outlines = {
+            "ground": [(-1.0, -0.3), (1.0, -0.3), (1.0, 0.0), (-1.0, 0.0)],
+            "p": [(-0.4, 0.0), (0.4, 0.0), (0.4, self.BLOCK), (-0.4, self.BLOCK)],
+        }
+        blocks = [
+            ds.Block(id=name, vertices=np.array(v), unit_weight=2e4, support=name == "ground")
+            for name, v in outlines.items()
+        ]
+        held = ds.spring(
+            start=ds.TieEnd(block="p", point=np.array([0.0, 0.25])),
+            end=ds.TieEnd(point=np.array([0.0, 300.0])),
+            stiffness=self.STIFFNESS,
+        )
+        return ds.make_model(
+            blocks,
+            joint=joint,
+            thickness=1.0,
+            load_direction=(1.0, 0.0),
+            ties=(held,) if spring else (),
+        )
+
+    @pytest.mark.parametrize("space", [False, True])
+    @pytest.mark.parametrize("step", [None, 2e-3, 5e-4])
+    def test_it_rises_no_more(self, step, space):
+        model = self.model(spring=False)
+        options = {} if step is None else {"displacement_step": step}
+        curve = ds.pushover(
+            extruded(model) if space else model, max_displacement=0.02, keep_poses=True, **options
+        )
+        risen = curve.poses[-1, 1, 2 if space else 1] - curve.poses[0, 1, 2 if space else 1]
+        # The joint closes by W / (k_n A) under its weight, and by that still where it has risen.
+        assert risen == pytest.approx(self.END * np.tan(np.radians(ANGLE)), rel=1e-3)
+        assert curve.load_multiplier.max() == pytest.approx(FRICTION, rel=1e-4)
+        assert curve.load_multiplier[-1] == pytest.approx(FRICTION, rel=1e-4)
+
+    @pytest.mark.parametrize(
+        ("engine", "space"), [("equilibrium", False), ("equilibrium", True), ("distinct", False)]
+    )
+    def test_a_spring_above_it_is_stretched_no_more(self, engine, space):
+        model = self.model(spring=True)
+        curve = ds.pushover(
+            extruded(model) if space else model, engine=engine, max_displacement=0.02
+        )
+        weight = 2e4 * self.WIDTH * self.BLOCK
+        force = self.STIFFNESS * self.END * np.tan(np.radians(ANGLE))
+        # The joint closes by the spring's force over k_n A = 8e9 N/m: 1e7 / 8e9 of the lift.
+        assert curve.load_multiplier.max() == pytest.approx(
+            FRICTION * (weight + force) / weight, rel=2e-3
+        )
+        assert curve.load_multiplier[-1] == pytest.approx(curve.load_multiplier.max(), rel=2e-3)

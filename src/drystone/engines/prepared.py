@@ -15,6 +15,7 @@ from drystone.contact.detection import Detector
 from drystone.engines.base import Engine, EngineError, Problem
 from drystone.engines.refusal import refuse
 from drystone.law.bonds import brittle
+from drystone.law.columns import DILATANCY_END
 from drystone.law.strengths import Strengths
 from drystone.law.table import law_table
 from drystone.model.assembly import Assembly
@@ -72,5 +73,13 @@ class Prepared(Derived):
 
     @cached_property
     def gives_way(self) -> bool:
-        """Whether steps end where a bond or a tie yields or breaks."""
-        return self.brittle or self.bars.give_way
+        """Whether steps end where a bond or a tie yields or breaks, or dilatancy ends."""
+        return self.brittle or self.bars.give_way or bool(np.isfinite(self.dilates_until).any())
+
+    @cached_property
+    def dilates_until(self) -> Array:
+        """Slip [m] at which joints of each law stop to dilate, (n_laws,); infinite where nobody
+        says so: what stops them in the end is beyond all that slides."""
+        laws = self.assembly.laws
+        given = [law.dilatancy_angle > 0.0 and law.dilatancy_end < np.inf for law in laws]
+        return np.where(given, self.laws[:, DILATANCY_END], np.inf)

@@ -65,6 +65,14 @@ def margins(judged: JudgedContacts, slack: float, tears: BoolArray) -> Array:
     return margin
 
 
+def dilating_margins(slid: Array, until: Array) -> Array:
+    """Of contacts (n,) that have ``slid`` [m] and dilate ``until`` a slip [m]: what is left of it,
+    over all of it; infinite of those that have no such end."""
+    left = np.full(len(slid), np.inf)
+    np.divide(until - slid, until, where=np.isfinite(until), out=left)
+    return left
+
+
 def weakest(margin: Array) -> IntArray:
     """The bonds that break: those most beyond their strength, if any is."""
     worst = margin.min(initial=np.inf)

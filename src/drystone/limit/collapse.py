@@ -27,6 +27,7 @@ from drystone.limit.non_associative import (
 )
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
 from drystone.model.assembly import Assembly, crushes
+from drystone.model.joint_law import JointLaw
 from drystone.model.loading import MassPattern
 from drystone.model.model import Model
 
@@ -324,8 +325,10 @@ def is_locked(model: Model) -> bool:
     Said before an analysis, which would only press blocks into each other.  Most structures are
     cleared at once, by a motion as one body that friction cannot stop.  Otherwise friction alone
     has to carry the pattern, and either the normal forces do so without it or no path of the
-    non-associative scheme comes to a collapse state.
+    non-associative scheme comes to a collapse state.  Joints whose dilatancy ends lock nothing by
+    it.
     """
+    model = _past_dilatancy(model)
     equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
     if bounds.slides_away(equilibrium, model.load_along):
         return False
@@ -335,6 +338,21 @@ def is_locked(model: Model) -> bool:
         return True
     few = NonAssociativeSettings(n_paths=FEW)
     return collapse_load(model, settings=few).status == "locked"
+
+
+def _past_dilatancy(model: Model) -> Model:
+    """The model with joints that dilate no more, where their dilatancy ends."""
+
+    def past(law: JointLaw) -> JointLaw:
+        ends = law.dilatancy_angle > 0.0 and law.dilatancy_end < np.inf
+        return replace(law, dilatancy_angle=0.0, dilatancy_end=np.inf) if ends else law
+
+    assembly = model.assembly
+    laws = {pair: past(law) for pair, law in assembly.joint_between.items()}
+    joint = past(assembly.joint)
+    if joint is assembly.joint and all(law is assembly.joint_between[k] for k, law in laws.items()):
+        return model
+    return replace(model, assembly=replace(assembly, joint=joint, joint_between=laws))
 
 
 def _associative(equilibrium: Equilibrium, answer: Answer, bound: float) -> Collapse:

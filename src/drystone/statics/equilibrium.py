@@ -46,9 +46,9 @@ from drystone.engines.measures import (
 )
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law.bonds import margins, yielded
+from drystone.law.bonds import dilating_margins, margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
-from drystone.law.columns import BROKEN
+from drystone.law.columns import BROKEN, SLID
 from drystone.law.status import STATUS_OF
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
@@ -317,8 +317,13 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             margin = np.concatenate((state.margin[:n_slots], ties.margin))
             state = replace(state, ties=ties, margin=margin)
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
+        margin[slots] = np.inf
+        until = state.prepared.dilates_until[state.pairs.law_of_slot[slots]]
+        ended = dilating_margins(history[slots, SLID], until) <= 2.0 * tolerances.ENDS_FOR_BOND
+        history[slots[ended], SLID] = np.maximum(history[slots, SLID], until)[ended]
+        slots = slots[~ended]
         law = state.pairs.law_of_slot[slots]
-        history[slots, BROKEN], margin[slots] = 1.0, np.inf
+        history[slots, BROKEN] = 1.0
         branch[slots] = yielded(state.prepared.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
@@ -583,6 +588,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             used = judged.contacts.slot
             tears = prepared.strengths.tears[state.pairs.law_of_slot[used]]
             margin[used] = margins(judged, 0.0, tears)
+            if demand.increment is not None and not demand.time_step > 0.0:
+                until = prepared.dilates_until[state.pairs.law_of_slot[used]]
+                dilated = own.history_before[used, SLID] < until
+                left = dilating_margins(then.history[used, SLID], until)
+                margin[used] = np.minimum(margin[used], np.where(dilated, left, np.inf))
             margin = heirs.of(margin, np.inf)
         pose, ties = prepared.assembly.moved(state.pose, solved.increment), state.ties
         if own.ties:
