@@ -755,3 +755,28 @@ class TestControlPointThatGoesBackwards:
         told = self.assessed(tmp_path, '[control]\nblock = "w/b12"\n')
         assert told.exit_code == 2
         assert "control point stands still in the mechanism" in told.stderr
+
+
+def test_a_caution_of_the_other_sense_goes_with_the_verdict(tmp_path):
+    """A block on slippery ground before a heavy one slides along the load; against it, it rocks."""
+    outlines = {"b": "[[0.0, 0.0], [0.4, 0.0], [0.4, 1.0], [0.0, 1.0]]"}
+    outlines["stop"] = "[[-0.2, 0.0], [0.0, 0.0], [0.0, 0.05], [-0.2, 0.05]]"
+    blocks = [f'[[block]]\nid = "{k}"\nvertices = {v}\n' for k, v in outlines.items()]
+    ground = "[[-2.0, -0.5], [3.0, -0.5], [3.0, 0.0], [-2.0, 0.0]]"
+    (tmp_path / "one.toml").write_text(
+        "dimension = 2\nthickness = 1.0\n[material.stone]\nunit_weight = 20e3\n"
+        "[joint]\nfriction_coefficient = 0.3\nnormal_stiffness = 1e10\nshear_stiffness = 1e10\n"
+        + f'[[block]]\nid = "g"\nsupport = true\nvertices = {ground}\n'
+        + blocks[0]
+        + blocks[1]
+        + "support = true\n"
+        + '[load]\npattern = "mass"\ndirection = [1.0, 0.0]\n[analysis]\nmax_displacement = 5.0\n'
+    )
+    told = drystone("assess", tmp_path / "one.toml", *FLAGS, "--out", tmp_path / "out", "--json")
+    assert told.exit_code == 0, told.output
+    found = json.loads(told.stdout)
+    along, against = found["senses"]["along the load"], found["senses"]["against the load"]
+    assert "the mechanism slides" in along["caution"]
+    assert found["governing_sense"] == "against the load"
+    assert against["caution"].startswith("along the load the mechanism slides")
+    assert "but along the load the mechanism slides" in found["sentence"]

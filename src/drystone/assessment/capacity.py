@@ -24,6 +24,10 @@ READINGS: dict[str, Saying] = {
     name: say(f"reading.{name}") for name in ("base_shear", "energy", "literal_ec8")
 }
 
+#: Share of the work of the load, taken by friction, above which a mechanism slides sooner than it
+#: rocks.
+SLIDES = 0.5
+
 
 class Participation(NamedTuple):
     """What the masses of a mechanism and its shape amount to, see `participation`."""

@@ -78,8 +78,8 @@ def traced(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
             raise OutputError(
                 f"--resume: {ask.source} is a folder: name the model file, and the folder by --out"
             )
-        return _said_if_one(_of_folder(ask, amended))
-    return _said_if_one(_of_model(ask, amended))
+        return _with_cautions(_said_if_one(_of_folder(ask, amended)))
+    return _with_cautions(_said_if_one(_of_model(ask, amended)))
 
 
 def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
@@ -129,6 +129,26 @@ def _said_if_one(senses: list[Sense]) -> list[Sense]:
     why = next((sense.problem for sense in senses if sense.problem), "")
     said = replace(only, verdict=of_one_sense(only.verdict, only.name, why))
     return [said if sense is only else sense for sense in senses]
+
+
+def _with_cautions(senses: list[Sense]) -> list[Sense]:
+    """The same; the verdict of the sense that governs says what goes with that of another."""
+    from drystone.assessment.verdict import sense_words
+
+    governing = worst(senses)
+    cautious = [s for s in senses if s.verdict is not None and s.verdict.assessment.caution]
+    if governing.verdict is None or governing.verdict.assessment.caution or not cautious:
+        return senses
+    other = cautious[0]
+    assert other.verdict is not None
+    said = say(
+        "verdict.caution_of",
+        sense=sense_words(other.name),
+        caution=other.verdict.assessment.caution,
+    )
+    answer = replace(governing.verdict.assessment, caution=said)
+    told = replace(governing, verdict=replace(governing.verdict, assessment=answer))
+    return [told if sense is governing else sense for sense in senses]
 
 
 def worst(senses: Sequence[Sense]) -> Sense:

@@ -186,7 +186,9 @@ class NscdEngine(Engine[NscdState]):
                 break
         motion = state.prepared.detector.travelled(state.pose)
         raise UnstableError(
-            unstable_sentence(state.prepared.problem, state.prepared.problem.length * motion)
+            unstable_sentence(
+                state.prepared.problem, state.prepared.problem.length * motion, state.stage
+            )
         )
 
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:

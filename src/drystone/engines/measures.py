@@ -179,11 +179,19 @@ def _friction_of(outcome: StepOutcome, push: float, least: float) -> Sequence[fl
     return (0.0, 0.0, 0.0) if jams else outcome.friction
 
 
-def unstable_sentence(problem: Problem, motion: Array) -> str:
-    """Which blocks move under the dead load, the farthest first."""
+def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> str:
+    """Which blocks move under what acts in a stage, or in all, the farthest first."""
     ids, weight = problem.assembly.ids, "own weight"
-    if problem.dead_loads:
+    later = [] if stage is None else [s for s in problem.stages if s > stage]
+    if any(stage is None or load.stage <= stage for load in problem.dead_loads):
         weight = "own weight and the dead loads"
+        if later:
+            weight += f" of stage {stage} and below"
+    elif later:
+        weight = (
+            f"own weight alone, before the dead loads of stage {min(later)} act (stage = 0 lets a "
+            "dead load act with the weight)"
+        )
     if not motion.any():
         return f"no equilibrium under the structure's {weight} was found"
     order = np.argsort(-motion, kind="stable")

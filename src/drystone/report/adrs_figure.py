@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,8 @@ GRID = np.concatenate((np.linspace(0.0, 0.6, 121), np.geomspace(0.605, 12.0, 400
 #: Markers of limit states, in their order.
 MARKERS = ("o", "s", "D", "^", "v")
 SMALL = 8.5
+#: Letters of a label from which on the legend has one column.
+LONG_LABEL = 48
 
 
 def draw_adrs(
@@ -48,8 +51,10 @@ def draw_adrs(
     axes = figure.subplots()
     plot_adrs(axes, answer)
     handles, labels = axes.get_legend_handles_labels()
+    columns = 2 if max(map(len, labels)) <= LONG_LABEL else 1
+    figure.set_size_inches(8.0, 4.6 + 0.22 * math.ceil(len(labels) / columns))
     figure.legend(
-        handles, labels, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False
+        handles, labels, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
     )
     canvas.save(figure, path, format)
 
@@ -229,6 +234,7 @@ def _mark(axes: Axes, answer: Assessment, state: LimitState, marker: str) -> Non
         zorder=7,
     )
     if demand is not None and across is not None:
+        across = min(across, axes.get_ylim()[1])  # of what lies above the picture, the place
         axes.plot(
             [demand, demand],
             [0.0, across],

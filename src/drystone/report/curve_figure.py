@@ -234,7 +234,8 @@ def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int
         text = f"{canvas.literal(label)}: {lowest:.3f} to {peak.load_multiplier:.3f}"
         text = text.removeprefix(": ")
     if curve.ultimate_displacement is not None:
-        text += f", {curve.ultimate_displacement:.3f} m at {curve.stop_multiplier:.3g}"
+        where = "collapses" if curve.ends_in_motion else f"at {curve.stop_multiplier:.3g}"
+        text += f", {curve.ultimate_displacement:.3g} m {where}"
     axes.plot(
         x,
         y,

@@ -214,7 +214,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 break
             h = min(tolerances.LONGER_DEAD_LOAD_STEP * h, limit)
         moved_by = state.prepared.problem.length * state.prepared.detector.travelled(state.pose)
-        raise UnstableError(unstable_sentence(state.prepared.problem, moved_by))
+        raise UnstableError(unstable_sentence(state.prepared.problem, moved_by, state.stage))
 
     def _at_rest(self, outcome: StepReport) -> bool:
         """Whether a step ended at rest: the structure, and each block, which may be a small part of

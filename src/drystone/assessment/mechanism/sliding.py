@@ -40,7 +40,8 @@ def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
         mean = 0.5 * (before.load_multiplier + after.load_multiplier)
         done += mean * _work(acting.pattern, field, poses)
         lifted -= _work(dead, field, poses)
-    return 1.0 - lifted / done if done > 0.0 else None
+    # Dead loads may work along with the load, as earth does behind a wall: friction takes it all.
+    return 1.0 - max(lifted, 0.0) / done if done > 0.0 else None
 
 
 def _work(forces: DeadForces, field: VelocityField, poses: tuple[Array, Array]) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drystone.assessment.capacity import READINGS, Capacity
+from drystone.assessment.capacity import READINGS, SLIDES, Capacity
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
@@ -141,6 +141,9 @@ def _known_collapse(envelope: Envelope, curve: CapacityCurve, model: Model) -> E
         return envelope
     place = stands_on_its_axis(curve, model)
     if place is None or abs(place - end) > AGREEMENT * end:
+        return envelope
+    friction = share_of_friction(curve, model)
+    if friction is not None and friction > SLIDES:  # it slides, and falls off what bears it
         return envelope
     note = say("mechanism.straight", end=end, place=place)
     return replace(envelope, collapse_extrapolated=False, collapse_note=note)

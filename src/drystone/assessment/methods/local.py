@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from drystone.assessment.capacity import Capacity
+from drystone.assessment.capacity import SLIDES, Capacity
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
 from drystone.common.language import say
-
-#: Share of the work of the load, taken by friction, above which a mechanism slides sooner than it
-#: rocks.
-SLIDES = 0.5
 
 
 def is_linear(settings: Settings) -> bool:

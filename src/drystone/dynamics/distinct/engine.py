@@ -134,7 +134,7 @@ class DistinctEngine(Engine[DistinctState]):
             motion = work.travel()
         except RunAwayError as error:
             motion = error.motion
-        raise UnstableError(unstable_sentence(problem, problem.length * motion))
+        raise UnstableError(unstable_sentence(problem, problem.length * motion, state.stage))
 
     def step(self, state: DistinctState, demand: Demand) -> Step:
         """Cycles from `state`; see `Engine.step`."""
