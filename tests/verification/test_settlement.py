@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import drystone as ds
+from drystone.geometry.space.solid import box as solid_box
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
 RIGHT = np.array([1.0, 0.0])
@@ -359,3 +360,21 @@ class TestTieToTheGround:
     def test_asks_for_a_support_that_stays(self):
         with pytest.raises(ds.ModelError, match="needs a support that stays"):
             self.drawn()
+
+
+def test_a_block_that_rides_along_takes_few_points():
+    """A support turns about the vertical with a block on it: the reaction is rounding."""
+    outlines = {
+        "table": [[-1.0, -1.0, -0.3], [1.0, 1.0, 0.0]],
+        "b": [[-0.2, -0.3, 0.0], [0.2, 0.3, 1.0]],
+    }
+    blocks = []
+    for name, corners in outlines.items():
+        vertices, faces = solid_box(corners)
+        blocks.append(block(name, vertices, faces=faces, support=name == "table"))
+    turning = ds.Settlement(
+        blocks=("table",), centre=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), max=40.0
+    )
+    curve = ds.pushover(ds.make_model(blocks, joint=joint(1.5), settlement=turning))
+    assert curve.status == "finished"
+    assert len(curve.points) < 300

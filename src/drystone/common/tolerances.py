@@ -404,6 +404,11 @@ SNAP_SHARE = PEAK_SHARE
 #: Space: a peak by 1.3e-3 where doubled, steps by 0.6 %.
 LEAST_PEAK = 10.0
 
+#: Least reaction to supports that move, that shares of the greatest are of, over the heaviest
+#: weight (times the smallest block where they turn).  Where blocks only ride along, it is rounding.
+#: Derived: a hundredth of a weight, of which a bend is known to what curves are.
+LEAST_REACTION = 0.01
+
 #: First increment over the largest; of supports too.  Range: no effect.
 FIRST_SHARE = 0.02
 

@@ -103,7 +103,8 @@ class SupportControl(Strategy[_State]):
         if state.slope is not None and slope is not None and worth:
             off = abs(slope - state.slope) * advanced
             first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
-            if off > s.bend_share * greatest and step > first:
+            known = max(greatest, tolerances.LEAST_REACTION)
+            if off > s.bend_share * known and step > first:
                 state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
                 return self._decided(state, accept=False)
         state = changed(
