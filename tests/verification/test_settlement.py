@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -378,3 +379,15 @@ def test_a_block_that_rides_along_takes_few_points():
     curve = ds.pushover(ds.make_model(blocks, joint=joint(1.5), settlement=turning))
     assert curve.status == "finished"
     assert len(curve.points) < 300
+
+
+@pytest.mark.parametrize("along", [0.0, 5.0])
+def test_in_space_the_multiplier_is_over_the_distance_from_the_axis(along):
+    """As in the plane, wherever on its axis the centre is given."""
+    model = table()
+    solid = ds.extruded(model)
+    turning = solid.settlement
+    moved = replace(turning, centre=turning.centre + along * turning.axis)
+    plane = ds.pushover(model)
+    space = ds.pushover(solid.with_settlement(moved))
+    assert space.peak.load_multiplier == pytest.approx(plane.peak.load_multiplier, rel=1e-3)

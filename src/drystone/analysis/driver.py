@@ -740,9 +740,7 @@ def _support_control(
     weight = float(assembly.weight[~assembly.fixed].sum())
     lever = 1.0
     if settlement.rotates:
-        rows = settlement.rows(assembly)
-        corners = np.vstack([assembly.blocks[i].vertices for i in rows])
-        lever = float(np.linalg.norm(corners - settlement.centre, axis=1).max())
+        lever = settlement.lever(assembly)
     step = options["displacement_step"]
     unused = SETTINGS | {"farthest", "max_displacement"}
     return SupportControl(

@@ -95,6 +95,14 @@ class Settlement:
         rows = assembly.groups[self.group]
         return rows[assembly.fixed[rows]]
 
+    def lever(self, assembly: Assembly) -> float:
+        """Distance [m] from the axis of a rotation to the farthest vertex of what turns."""
+        corners = np.vstack([assembly.blocks[i].vertices for i in self.rows(assembly)])
+        arm = corners - np.asarray(self.centre)
+        if self.axis is not None:
+            arm = arm - np.outer(arm @ self.axis, self.axis)
+        return float(np.linalg.norm(arm, axis=1).max())
+
     def target(self, assembly: Assembly, amount: float) -> Array:
         """Poses (k, n_pose) of its blocks once they have moved by an amount [m, rad]."""
         rows = self.rows(assembly)
