@@ -228,6 +228,11 @@ def test_methods_for_walls_in_their_plane_say_so_of_mechanisms_out_of_it(tmp_pat
     assert any("100 per cent of the momentum" in line for line in told.splitlines())
     local = drystone("assess", tmp_path / "out", *FLAGS, "--ag", "0.01").stdout
     assert "out of plane" not in local
+    more = ("effective_mass_factor=1.0", "near_fault=false", 'site_class="C"')
+    more += ("displacement_limits.CP=0.15",)
+    sets = [word for key in more for word in ("--set", f"assessment.{key}")]
+    asce = drystone("assess", tmp_path / "out", *flags, "--method", "asce41", *sets, "--json")
+    assert "the mechanism is out of plane" in json.loads(asce.stdout)["caution"], asce.output
 
 
 def test_tables_of_a_model_file_and_flags_over_them(results, tmp_path, made):

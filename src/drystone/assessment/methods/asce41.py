@@ -13,6 +13,7 @@ from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods import common
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable
+from drystone.assessment.methods.in_plane import placed
 from drystone.assessment.methods.inelastic import check_on_the_ground
 from drystone.assessment.spectra.base import REFERENCE_DAMPING, Spectrum
 from drystone.common.keys import Choice, Flag, Key, Number
@@ -286,6 +287,7 @@ def _answer(
     if without:
         said.append(say("asce41.without", states=without))
     used = tuple(given.values())
+    caution, where = placed(capacity, NAME)
     return Assessment(
         method=NAME,
         capacity=capacity,
@@ -299,9 +301,10 @@ def _answer(
             "elastic_period": curve.period,
             "strength_ratio": found[0].details["strength_ratio"],
         },
-        assumptions=common.assumptions(capacity, used) + notes + tuple(said),
+        assumptions=where + common.assumptions(capacity, used) + notes + tuple(said),
         uncertain=common.uncertain(capacity, used, found, *UNCERTAIN),
         weighs_most=say("asce41.weight"),
+        caution=caution,
     )
 
 

@@ -69,7 +69,7 @@ def answer(
         What the method itself assumed, and what of it is uncertain.
     """
     used = tuple(given.values())
-    caution, placed = _placed(capacity, method)
+    caution, where = placed(capacity, method)
     first = next((s for s in found if s.name == reference), found[0])
     quantities = {
         "elastic_period": curve.period,
@@ -90,7 +90,7 @@ def answer(
         spectra=given,
         bilinear=curve,
         quantities=quantities,
-        assumptions=placed + common.assumptions(capacity, used) + said,
+        assumptions=where + common.assumptions(capacity, used) + said,
         uncertain=common.uncertain(capacity, used, found, *uncertain),
         weighs_most=common.weight(
             capacity,
@@ -100,7 +100,7 @@ def answer(
     )
 
 
-def _placed(capacity: Capacity, method: str) -> tuple[str, tuple[str, ...]]:
+def placed(capacity: Capacity, method: str) -> tuple[str, tuple[str, ...]]:
     """What goes with the verdict on a mechanism out of plane, and what the method is meant for."""
     share = capacity.out_of_plane
     caution: str = ""
