@@ -785,3 +785,14 @@ def test_a_caution_of_the_other_sense_goes_with_the_verdict(tmp_path):
     assert found["governing_sense"] == "against the load"
     assert against["caution"].startswith("along the load the mechanism slides")
     assert "but along the load the mechanism slides" in found["sentence"]
+
+
+def test_bonds_that_bend_at_two_points_are_said_to_carry_too_much(tmp_path):
+    model = on_base(0.3, (6.0,), friction=0.7, stiffness=1e11)
+    write_model(
+        model.with_joint(cohesion=1e5, tensile_strength=5e4, normal_stiffness=1e10),
+        tmp_path / "b.toml",
+    )
+    told = drystone("assess", tmp_path / "b.toml", *FLAGS, "--out", tmp_path / "out")
+    assert told.exit_code == 0, told.output
+    assert "Bonds in bending: with 2 contact points a joint may carry three times" in told.stdout

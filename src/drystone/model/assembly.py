@@ -367,6 +367,12 @@ class Assembly:
         offsets = (self.blocks[i].vertices - self.centroid[i] for i in moving)
         return 2.0 * max(float(np.linalg.norm(offset, axis=1).max()) for offset in offsets)
 
+    @property
+    def bonds_at_corners(self) -> bool:
+        """Whether joints with tensile strength have contact points at their corners alone."""
+        pulls = any(law.tensile_strength > 0.0 for law in self.laws)
+        return pulls and self.points == self.kind.points
+
     def dilatancy_end(self, law: JointLaw) -> float:
         """Slip after which joints of a law dilate no more [m]."""
         return min(law.dilatancy_end, self.longest_slide)

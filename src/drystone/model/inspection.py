@@ -184,10 +184,7 @@ def _law_notes(assembly: Assembly) -> list[str]:
             "corner: the corners are sharp: with friction and no dilatancy the collapse "
             "multiplier may depend on the path"
         )
-    if (
-        any(law.tensile_strength > 0.0 for law in assembly.laws)
-        and assembly.points == assembly.kind.points
-    ):
+    if assembly.bonds_at_corners:
         many = assembly.kind.points_if_crushed
         warnings.append(
             f"contact: with {assembly.points} points a joint, a bond in bending may carry three "

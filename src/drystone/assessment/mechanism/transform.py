@@ -187,6 +187,9 @@ def _notes(
     if curve.status != FINISHED:
         end = said_end(curve.reason)
         notes.append(say("mechanism.unfinished", status=curve.status, reason=end))
+    if (assembly := model.assembly).bonds_at_corners:
+        known = {"points": assembly.points, "many": assembly.kind.points_if_crushed}
+        notes.append(say("mechanism.bonds", **known))
     return tuple(notes)
 
 
