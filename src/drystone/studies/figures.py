@@ -124,12 +124,15 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
         ordered = sorted(own.items(), key=lambda item: abs(item[1]["high"] - item[1]["low"]))
         middle = found["columns"][name]["mean"]
         for y, (_, one) in enumerate(ordered):
-            for key, colour in (("low", _BLUE), ("high", _RED)):
+            # On one side of the mean, one bar would hide the other: they share the row.
+            shared = (one["low"] >= middle) == (one["high"] >= middle)
+            for key, colour, off in (("low", _BLUE, 0.15), ("high", _RED, -0.15)):
+                at = y + off if shared else y
                 axes.barh(
-                    y,
+                    at,
                     one[key] - middle,
                     left=middle,
-                    height=0.6,
+                    height=0.3 if shared else 0.6,
                     color=colour,
                     hatch=_HATCH if key == "high" else None,
                     edgecolor="white",
@@ -137,7 +140,7 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
                 )
                 right = one[key] >= middle
                 axes.annotate(
-                    f"{one[f'{key}_value']:.4g}", (one[key], y), fontsize=7.5, va="center",
+                    f"{one[f'{key}_value']:.4g}", (one[key], at), fontsize=7.5, va="center",
                     ha="left" if right else "right", xytext=(3 if right else -3, 0),
                     textcoords="offset points",
                 )  # fmt: skip
