@@ -1109,3 +1109,8 @@ class TestOneValidation:
     def test_control_direction_against_the_load(self, direction):
         with pytest.raises(ModelError, match=r"control\.direction: leads against the load"):
             published_wall(1).with_control(direction=direction)
+
+
+def test_the_path_of_a_file_is_no_model():
+    with pytest.raises(TypeError, match=r"read_model\('wall.toml'\) reads it"):
+        pushover("wall.toml")

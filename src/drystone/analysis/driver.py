@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -185,6 +186,10 @@ def pushover(
         under its own weight.
     """
     named = engine is None or isinstance(engine, str)
+    if isinstance(model, str | Path):
+        raise TypeError(
+            f"pushover takes a model, not its file: read_model({str(model)!r}) reads it"
+        )
     asked = str(engine or model.analysis.engine)
     model = _with_options(model, options)
 

@@ -46,6 +46,11 @@ def report(senses: Sequence[Sense], governing: Sense, folder: Path, pictures: Se
     lines += [f"  {name:<{wide}} {printable(value)}" for name, value in rows]
     lines += ["", "  " + "".join(f"{_word(name):>{width}}" for name, width in COLUMNS)]
     lines += ["  " + _state(state) for state in verdict.limit_states]
+    lines += [
+        f"  {_word('governed', state=state.name, by=state.governed_by)}"
+        for state in verdict.limit_states
+        if _fails_within_its_limit(state)
+    ]
     if not all(state.verified for state in verdict.limit_states):
         lines += [f"  {_word('computed')}"]
     lines += _hazard(verdict)
@@ -59,6 +64,13 @@ def report(senses: Sequence[Sense], governing: Sense, folder: Path, pictures: Se
         printable(spoken(verdict.sentence)),
     ]
     return "\n".join(lines)
+
+
+def _fails_within_its_limit(state: LimitState) -> bool:
+    """Whether a state that the verdict rests on fails though its displacement is not reached."""
+    limit, demand = state.limit_displacement, state.displacement_demand
+    known = limit is not None and demand is not None and demand <= limit
+    return known and state.verified and state.satisfied is False and bool(state.governed_by)
 
 
 def _word(key: str, **fields: Any) -> str:
