@@ -60,7 +60,9 @@ def tutorials() -> None:
         curve = ds.pushover(model, keep_poses=True, keep_contacts=True)
         with tempfile.TemporaryDirectory() as folder:
             ds.save_results(curve, model, folder)
-            subprocess.run(["drystone", "show", path, "--out", f"{folder}/model.png"], check=True)
+            if "model" in pictures:
+                shown = ["drystone", "show", path, "--out", f"{folder}/model.png"]
+                subprocess.run(shown, check=True)
             for picture in pictures:
                 shutil.copy(Path(folder) / f"{picture}.png", target / f"{name}_{picture}.png")
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
+from builders import UNIT_WEIGHT, stack
 from drystone.model.builders import extruded
 
 LENGTH, HEIGHT, FRICTION, ANGLE = 0.5, 0.05, 0.6, 10.0
@@ -73,26 +74,13 @@ class TestWhereDilatancyEnds:
             dilatancy_angle=ANGLE,
             dilatancy_end=self.END,
         )
-        outlines = {
-            "ground": [(-1.0, -0.3), (1.0, -0.3), (1.0, 0.0), (-1.0, 0.0)],
-            "p": [(-0.4, 0.0), (0.4, 0.0), (0.4, self.BLOCK), (-0.4, self.BLOCK)],
-        }
-        blocks = [
-            ds.Block(id=name, vertices=np.array(v), unit_weight=2e4, support=name == "ground")
-            for name, v in outlines.items()
-        ]
         held = ds.spring(
-            start=ds.TieEnd(block="p", point=np.array([0.0, 0.25])),
+            start=ds.TieEnd(block="b1", point=np.array([0.0, 0.25])),
             end=ds.TieEnd(point=np.array([0.0, 300.0])),
             stiffness=self.STIFFNESS,
         )
-        return ds.make_model(
-            blocks,
-            joint=joint,
-            thickness=1.0,
-            load_direction=(1.0, 0.0),
-            ties=(held,) if spring else (),
-        )
+        ties = (held,) if spring else ()
+        return stack((self.WIDTH, self.BLOCK), joint=joint, ties=ties)
 
     @pytest.mark.parametrize("space", [False, True])
     @pytest.mark.parametrize("step", [None, 2e-3, 5e-4])
@@ -116,7 +104,7 @@ class TestWhereDilatancyEnds:
         curve = ds.pushover(
             extruded(model) if space else model, engine=engine, max_displacement=0.02
         )
-        weight = 2e4 * self.WIDTH * self.BLOCK
+        weight = UNIT_WEIGHT * self.WIDTH * self.BLOCK
         force = self.STIFFNESS * self.END * np.tan(np.radians(ANGLE))
         # The joint closes by the spring's force over k_n A = 8e9 N/m: 1e7 / 8e9 of the lift.
         assert curve.load_multiplier.max() == pytest.approx(

@@ -491,12 +491,7 @@ class TestOpeningWithoutTensileStrength:
 
     def model(self, cohesion, friction=3.0, stiffness=1e11):
         law = joint(friction, stiffness, cohesion=cohesion, shear_fracture_energy=100.0)
-        outlines = rectangle(-1.0, -0.5, 3.0, 0.5), rectangle(0.0, 0.0, self.width, self.height)
-        ground, block = (
-            Block(id=name, vertices=outline, unit_weight=UNIT_WEIGHT, support=name == "ground")
-            for name, outline in zip(("ground", "b"), outlines, strict=True)
-        )
-        return make_model([ground, block], joint=law, thickness=1.0, load_direction=[1.0, 0.0])
+        return stack((self.width, self.height), joint=law)
 
     @pytest.mark.parametrize(
         ("engine", "stiffness", "cohesion", "space"),

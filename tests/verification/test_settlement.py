@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 import drystone as ds
-from drystone.geometry.space.solid import box as solid_box
+from solids import box
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
 RIGHT = np.array([1.0, 0.0])
@@ -365,14 +365,10 @@ class TestTieToTheGround:
 
 def test_a_block_that_rides_along_takes_few_points():
     """A support turns about the vertical with a block on it: the reaction is rounding."""
-    outlines = {
-        "table": [[-1.0, -1.0, -0.3], [1.0, 1.0, 0.0]],
-        "b": [[-0.2, -0.3, 0.0], [0.2, 0.3, 1.0]],
-    }
-    blocks = []
-    for name, corners in outlines.items():
-        vertices, faces = solid_box(corners)
-        blocks.append(block(name, vertices, faces=faces, support=name == "table"))
+    blocks = [
+        box("table", [-1.0, -1.0, -0.3], [1.0, 1.0, 0.0], support=True),
+        box("b", [-0.2, -0.3, 0.0], [0.2, 0.3, 1.0]),
+    ]
     turning = ds.Settlement(
         blocks=("table",), centre=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), max=40.0
     )

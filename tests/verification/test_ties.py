@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
+from builders import stack
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
 WIDTH, HEIGHT = 0.4, 1.0
@@ -368,29 +369,13 @@ def test_a_movable_block_is_not_called_ground():
 
 def test_a_block_that_is_squeezed_out_below_one_that_a_stiff_spring_holds():
     """The lower one slides on both faces: lambda W = mu W + mu 2 W, and the upper one stays."""
-
-    def box(name, x, y, width, height, **more):
-        outline = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
-        return ds.Block(id=name, vertices=np.array(outline), unit_weight=2e4, **more)
-
-    model = ds.make_model(
-        [
-            box("s", -1.0, -0.3, 2.0, 0.3, support=True),
-            box("p", -0.5, 0.0, 1.0, 0.5),
-            box("q", -0.5, 0.5, 1.0, 0.5),
-        ],
-        joint=ds.JointLaw(friction_coefficient=1.0, normal_stiffness=1e8, shear_stiffness=1e7),
-        thickness=1.0,
-        load_direction=(1.0, 0.0),
-        control_block="q",
-        ties=(
-            ds.spring(
-                start=ds.TieEnd(block="q", point=np.array([0.5, 0.75])),
-                end=ds.TieEnd(point=np.array([20.0, 0.75])),
-                stiffness=1e8,
-            ),
-        ),
+    held = ds.spring(
+        start=ds.TieEnd(block="b2", point=np.array([0.5, 0.75])),
+        end=ds.TieEnd(point=np.array([20.0, 0.75])),
+        stiffness=1e8,
     )
+    joint = ds.JointLaw(friction_coefficient=1.0, normal_stiffness=1e8, shear_stiffness=1e7)
+    model = stack((1.0, 0.5), (1.0, 0.5), joint=joint, control_block="b2", ties=(held,))
     curve = ds.pushover(model)
     assert curve.status == "finished"
     assert curve.peak.load_multiplier == pytest.approx(3.0, rel=1e-3)

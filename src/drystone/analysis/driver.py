@@ -285,10 +285,10 @@ def _is_enough(curve: CapacityCurve, model: Model) -> bool:
         return True
     if curve.status == "interrupted" or not model.control_point.default:
         return True
-    first = curve.first_collapse
-    if first is None or curve.status != FINISHED:
-        return curve.status == FINISHED
-    return model.assembly.ids[model.control_point.block] in falls_with(curve.events, first)
+    if curve.status != FINISHED:
+        return False
+    first, control = curve.first_collapse, model.assembly.ids[model.control_point.block]
+    return first is None or control in falls_with(curve.events, first)
 
 
 def _strategy(model: Model, asked: str | None) -> str:

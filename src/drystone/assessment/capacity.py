@@ -29,6 +29,11 @@ READINGS: dict[str, Saying] = {
 SLIDES = 0.5
 
 
+def slides(friction: float | None) -> bool:
+    """Whether friction takes so large a share of the work that the mechanism slides."""
+    return friction is not None and friction > SLIDES
+
+
 class Participation(NamedTuple):
     """What the masses of a mechanism and its shape amount to, see `participation`."""
 

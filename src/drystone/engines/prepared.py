@@ -8,13 +8,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from drystone.common.arrays import Array
+from drystone.common.arrays import Array, IntArray
 from drystone.common.codec import Derived
 from drystone.common.tolerances import TINY
 from drystone.contact.detection import Detector
 from drystone.engines.base import Engine, EngineError, Problem
 from drystone.engines.refusal import refuse
-from drystone.law.bonds import brittle
+from drystone.law.bonds import brittle, margins
+from drystone.law.certificate import JudgedContacts
 from drystone.law.columns import DILATANCY_END
 from drystone.law.strengths import Strengths
 from drystone.law.table import law_table
@@ -70,6 +71,10 @@ class Prepared(Derived):
     def brittle(self) -> bool:
         """Whether bonds break."""
         return brittle(self.laws) or bool(self.strengths.tears.any())
+
+    def bond_margins(self, judged: JudgedContacts, law: IntArray, slack: float) -> Array:
+        """Margins of contacts with joint laws ``law``, (n_contacts,); see `law.bonds.margins`."""
+        return margins(judged, slack, self.strengths.tears[law])
 
     @cached_property
     def gives_way(self) -> bool:

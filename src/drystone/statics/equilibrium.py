@@ -46,7 +46,7 @@ from drystone.engines.measures import (
 )
 from drystone.engines.prepared import Prepared
 from drystone.geometry import motion
-from drystone.law.bonds import dilating_margins, margins, yielded
+from drystone.law.bonds import dilating_margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.columns import BROKEN, SLID
 from drystone.law.status import STATUS_OF
@@ -318,11 +318,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             state = replace(state, ties=ties, margin=margin)
         history, branch, margin = state.history.copy(), state.branch.copy(), state.margin.copy()
         margin[slots] = np.inf
-        until = state.prepared.dilates_until[state.pairs.law_of_slot[slots]]
-        ended = dilating_margins(history[slots, SLID], until) <= 2.0 * tolerances.ENDS_FOR_BOND
-        history[slots[ended], SLID] = np.maximum(history[slots, SLID], until)[ended]
-        slots = slots[~ended]
         law = state.pairs.law_of_slot[slots]
+        slid, until = history[slots, SLID], state.prepared.dilates_until[law]
+        ended = dilating_margins(slid, until) <= 2.0 * tolerances.ENDS_FOR_BOND
+        history[slots[ended], SLID] = np.maximum(slid, until)[ended]
+        slots, law = slots[~ended], law[~ended]
         history[slots, BROKEN] = 1.0
         branch[slots] = yielded(state.prepared.laws, law, state.reaction[slots])
         nothing = np.zeros(0, np.int64)
@@ -586,10 +586,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         margin = np.full(len(heirs.source), np.inf)
         if prepared.gives_way:
             used = judged.contacts.slot
-            tears = prepared.strengths.tears[state.pairs.law_of_slot[used]]
-            margin[used] = margins(judged, 0.0, tears)
+            law = state.pairs.law_of_slot[used]
+            margin[used] = prepared.bond_margins(judged, law, 0.0)
             if demand.increment is not None and not demand.time_step > 0.0:
-                until = prepared.dilates_until[state.pairs.law_of_slot[used]]
+                until = prepared.dilates_until[law]
                 dilated = own.history_before[used, SLID] < until
                 left = dilating_margins(then.history[used, SLID], until)
                 margin[used] = np.minimum(margin[used], np.where(dilated, left, np.inf))

@@ -42,12 +42,14 @@ class VelocityField:
         """Components along a direction (dim,): the shape, (n,)."""
         return np.asarray(self.velocity @ direction)
 
-    def over(self, control: ControlPoint, point: Array) -> VelocityField | None:
+    def over(
+        self, control: ControlPoint, point: Array, *, still: float = STILL
+    ) -> VelocityField | None:
         """The field over the velocity of the control point, which is at ``point`` (dim,) [m]; None
-        where that stands still in it."""
+        where that is no more than the share ``still`` of the largest of a block."""
         (velocity,) = self.at(point[None], np.array([control.block]))
         speed = float(velocity @ control.direction)
-        if not abs(speed) > STILL * float(np.abs(self.velocity).max(initial=0.0)):
+        if not abs(speed) > still * float(np.abs(self.velocity).max(initial=0.0)):
             return None
         return VelocityField(
             place=self.place, velocity=self.velocity / speed, spin=self.spin / speed

@@ -111,8 +111,8 @@ def initial_shape(curve: CapacityCurve, model: Model) -> MechanismShape:
     if rate is not None and curve.points[end].status == STATIC:
         share = (x[end] - x[top]) / (x[rate] - x[0])
         field = less(field, chord(assembly, poses[0], poses[rate]), share)
-    over = field.carried_to(assembly.centroid).over(control, control.point)
-    if over is None or np.abs(over.velocity).max() > 1.0 / HARDLY:
+    over = field.carried_to(assembly.centroid).over(control, control.point, still=HARDLY)
+    if over is None:
         raise AssessmentError(say("refused.control_still"))
     return _shape(curve, model, over, row=top, how=how)
 

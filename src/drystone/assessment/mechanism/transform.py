@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drystone.assessment.capacity import READINGS, SLIDES, Capacity
+from drystone.assessment.capacity import READINGS, Capacity, slides
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
@@ -102,7 +102,9 @@ def reduced(
     shape, envelope = initial_shape(curve, model), static_envelope(curve)
     part = shape.bodies if grouping == "macro_blocks" else shape.blocks
     share, said = pattern_share(model, shape)
-    envelope = _known_collapse(envelope, curve, model)
+    friction = share_of_friction(curve, model)
+    if not slides(friction):  # else it falls off what bears it
+        envelope = _known_collapse(envelope, curve, model)
     first, highest = curve.points[activation_row(curve)], curve.peak
     if first is not highest:
         known = {"first": first.load_multiplier, "place": first.control_displacement}
@@ -120,7 +122,7 @@ def reduced(
         notes=notes,
         losses=[(event.control_displacement, event.said) for event in curve.events],
         out_of_plane=share_out_of_plane(model.assembly, shape, model.load_along),
-        friction=share_of_friction(curve, model),
+        friction=friction,
     )
     return Reduction(
         shape=shape,
@@ -141,9 +143,6 @@ def _known_collapse(envelope: Envelope, curve: CapacityCurve, model: Model) -> E
         return envelope
     place = stands_on_its_axis(curve, model)
     if place is None or abs(place - end) > AGREEMENT * end:
-        return envelope
-    friction = share_of_friction(curve, model)
-    if friction is not None and friction > SLIDES:  # it slides, and falls off what bears it
         return envelope
     note = say("mechanism.straight", end=end, place=place)
     return replace(envelope, collapse_extrapolated=False, collapse_note=note)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drystone.assessment.capacity import SLIDES, Capacity
+from drystone.assessment.capacity import Capacity, slides
 from drystone.assessment.errors import AssessmentError, positive
 from drystone.assessment.methods.base import Settings
 from drystone.common.language import say
@@ -59,6 +59,6 @@ def caution(capacity: Capacity) -> str:
     """What goes with the verdict on a mechanism that slides: blocks that slide lose no strength
     until they fall off what bears them, however far that is."""
     share = capacity.friction
-    if share is None or share <= SLIDES:
+    if share is None or not slides(share):
         return ""
     return say("local.slides", percent=100.0 * share)

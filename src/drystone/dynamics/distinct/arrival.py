@@ -15,7 +15,6 @@ from drystone.dynamics.distinct.state import DistinctState
 from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.base import StepPath, StepReport
 from drystone.engines.measures import StepOutcome, not_crushed, report
-from drystone.law.bonds import margins
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.residual import add_contact_forces
 
@@ -122,8 +121,8 @@ def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Ar
     margin = np.full(len(work.slots.kind), np.inf)
     if work.prepared.brittle:
         used = contacts.contacts.slot
-        tears = work.prepared.strengths.tears[work.pairs.law_of_slot[used]]
-        margin[used] = margins(contacts, _slack(work), tears)
+        law = work.pairs.law_of_slot[used]
+        margin[used] = work.prepared.bond_margins(contacts, law, _slack(work))
     return np.concatenate((margin, TIES_NEARER * ties_margin))
 
 
