@@ -17,8 +17,11 @@ from scipy.optimize import brentq
 import drystone as ds
 import solids
 from drystone.limit import collapse_load, limits_beside
+from drystone.model.inspection import VibrationMode
 from drystone.model.loading import NO_MASSES, Acting, masses_of
-from drystone.model.loading.modal import first_mode, mass_matrices
+from drystone.model.loading.modal import _bar_rows, first_mode, mass_matrices
+from drystone.model.tie_kernels import ELONGATION, N_NOW, locate
+from drystone.model.ties import Bars
 from lmgc90_here import needs_lmgc90
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
@@ -52,6 +55,14 @@ def column(n=1, *, load=None, dead=(), friction=5.0, stiffness=1e9, width=WIDTH,
         dead_loads=dead,
         **more,
     )
+
+
+#: Of ties: what they are, and whether they are under tension where the block rests.
+TAUT = [
+    ({"compression": True}, True),
+    ({"compression": False, "pretension": 100.0}, True),
+    ({"compression": False}, False),
+]
 
 
 @dataclass(frozen=True)
@@ -438,6 +449,72 @@ class TestModal:
         acting = Acting.of(model.assembly, model.load, model.dead_loads).pattern
         assert acting.force[1] == pytest.approx([WEIGHT + LOAD, 0.0])
         assert acting.moments()[1, 0] == pytest.approx(-half * force[1], rel=1e-9)
+
+    @pytest.mark.parametrize(("more", "counts"), TAUT)
+    def test_a_spring_or_a_tie_that_is_taut_holds_the_top(self, more, counts):
+        """As above with a bar k_1 at the top, which moves by u - h/2 t; one that carries no
+        compression counts where it is under tension at rest."""
+        k, half, bar = 1e9, 0.5 * HEIGHT, 2e8
+        ends = (
+            ds.TieEnd(block="b0", point=np.array([WIDTH, HEIGHT])),
+            ds.TieEnd(point=np.array([WIDTH + 1.0, HEIGHT])),
+        )
+        tie = ds.Tie(start=ends[0], end=ends[1], stiffness=bar, yield_force=1e6, **more)
+        model = column(stiffness=k, load=ds.ModalPattern(direction=RIGHT), ties=(tie,))
+        mass = WEIGHT / 9.81
+        inertia = mass * (WIDTH**2 + HEIGHT**2) / 12.0
+        stiffness = (
+            k * WIDTH * THICKNESS * np.array([[1.0, half], [half, half**2 + (0.5 * WIDTH) ** 2]])
+        )
+        stiffness += counts * bar * np.array([[1.0, -half], [-half, half**2]])
+        square, shapes = eigh(stiffness, np.diag([mass, inertia]))
+        share = mass * shapes[0] ** 2
+        best = int(np.argmax(share))
+        mode = model.load.mode(model.assembly, NO_MASSES, model.ties)
+        assert mode.frequency * 2.0 * np.pi == pytest.approx(np.sqrt(square[best]), rel=1e-9)
+        assert mode.participation == pytest.approx(share[best], rel=1e-9)
+        assert VibrationMode.of(model).period == mode.period
+
+    def test_the_row_of_a_tie_is_how_it_grows_shorter(self):
+        """Against the elongation of a small motion, of an oblique tie in space."""
+        model = ds.extruded(
+            column(
+                ties=(
+                    ds.spring(
+                        start=ds.TieEnd(block="b0", point=np.array([0.0, 0.7])),
+                        end=ds.TieEnd(point=np.array([-0.8, 0.1])),
+                        stiffness=1e6,
+                    ),
+                )
+            )
+        )
+        assembly, bars = model.assembly, Bars.of(model.assembly, model.ties)
+        motion = np.zeros((assembly.n_bodies, assembly.n_dof))
+        motion[1] = 1e-7 * np.random.default_rng(3).standard_normal(assembly.n_dof)
+        now = np.zeros((1, N_NOW))
+        locate(bars.body, bars.value, assembly.moved(assembly.design_pose(), motion), now)
+        (row,) = _bar_rows(assembly, bars)
+        shorter = row[0] @ motion[bars.body[0]].ravel()
+        assert shorter == pytest.approx(-now[0, ELONGATION], rel=1e-5)
+        assert not row[1:].any()
+
+    def test_rollers_hold_what_they_hold(self):
+        """A column that cannot turn moves along: m u'' + K_s u = 0."""
+        k = 1e9
+        model = column(stiffness=k)
+        ground, block = model.assembly.blocks
+        load = ds.ModalPattern(direction=RIGHT)
+        model = ds.make_model(
+            [ground, replace(block, held=("turn",))],
+            joint=model.assembly.joint,
+            thickness=THICKNESS,
+            load=load,
+        )
+        mode = model.load.mode(model.assembly)
+        exact = np.sqrt(k * WIDTH * THICKNESS * 9.81 / WEIGHT)
+        assert mode.frequency * 2.0 * np.pi == pytest.approx(exact, rel=1e-9)
+        assert mode.participation == pytest.approx(1.0, rel=1e-12)
+        assert mode.shape[1] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
 
     @pytest.mark.parametrize("space", [False, True])
     def test_kinetic_energy_is_that_of_the_masses(self, space):

@@ -69,7 +69,12 @@ class LoadArrays:
         assembly = problem.assembly
         fixed = assembly.fixed if departed is None else assembly.fixed | departed
         acting = Acting.of(
-            assembly, problem.load, problem.dead_loads, stage=stage, departed=departed
+            assembly,
+            problem.load,
+            problem.dead_loads,
+            problem.ties,
+            stage=stage,
+            departed=departed,
         )
         dead, pattern = acting.near(assembly.design_pose(), 0.0)
         return cls(

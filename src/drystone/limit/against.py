@@ -43,7 +43,7 @@ def carried_against(
         Where blocks are then, (n, n_pose) [m, rad]; as designed where it is None.
     """
     assembly = model.assembly
-    tilts = Acting.of(assembly, model.load, model.dead_loads).tilted is not None
+    tilts = Acting.of(assembly, model.load, model.dead_loads, model.ties).tilted is not None
     if model.ties or assembly.on_rollers or tilts:
         return None
     balance = Equilibrium.of(assembly, model.load, model.dead_loads)

@@ -84,7 +84,7 @@ class Equilibrium:
         length = float((size ** (1.0 / assembly.dimension)).mean())
         scale = np.full(assembly.n_dof, 1.0 / force)
         scale[assembly.dimension :] /= length
-        acting = Acting.of(assembly, load, dead_loads)
+        acting = Acting.of(assembly, load, dead_loads, ties[:n_drawn])
         dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
         beside = None if acting.tilted is None else acting.dead
 

@@ -110,7 +110,7 @@ class Model:
     @cached_property
     def load_force(self) -> float:
         """Sum [N] of the load pattern's forces along `load_along`, at multiplier one."""
-        return Acting.of(self.assembly, self.load, self.dead_loads).total
+        return Acting.of(self.assembly, self.load, self.dead_loads, self.ties).total
 
     @property
     def load_shown(self) -> Array | None:

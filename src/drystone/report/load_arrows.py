@@ -91,7 +91,7 @@ def pattern_arrows(model: Model) -> Array:
     """
     if model.load.name == "mass":
         return np.zeros((0, 2, model.assembly.dimension))
-    pattern = Acting.of(model.assembly, model.load, model.dead_loads).pattern
+    pattern = Acting.of(model.assembly, model.load, model.dead_loads, model.ties).pattern
     return arrows_of(model.assembly, [pattern])[1]
 
 

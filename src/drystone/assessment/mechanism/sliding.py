@@ -28,7 +28,7 @@ def share_of_friction(curve: CapacityCurve, model: Model) -> float | None:
     if model.ties or crushes(model.assembly.laws) or curve.poses is None:
         return None
     top = curve.points[activation_row(curve)]
-    acting = Acting.of(model.assembly, model.load, model.dead_loads)
+    acting = Acting.of(model.assembly, model.load, model.dead_loads, model.ties)
     dead = acting.dead if acting.tilted is None else acting.dead + acting.tilted
     done, lifted = 0.0, 0.0
     for before, after in pairwise(curve.points):

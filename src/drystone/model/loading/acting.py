@@ -18,6 +18,7 @@ from drystone.common.arrays import Array, BoolArray
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import DeadLoad, LoadPattern, masses_of
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.ties import Tie
 
 #: Share of the sizes of a pattern's forces below which their sum is none.
 NO_RESULTANT = 1e-6
@@ -42,13 +43,15 @@ class Acting:
         assembly: Assembly,
         pattern: LoadPattern,
         dead_loads: Sequence[DeadLoad] = (),
+        ties: Sequence[Tie] = (),
         *,
         stage: int | None = None,
         departed: BoolArray | None = None,
     ) -> Acting:
         """Of an assembly without the blocks that are ``departed`` (n,).
 
-        Of the dead loads only those up to a ``stage``; masses of all of them count in the pattern.
+        Of the dead loads only those up to a ``stage``; masses of all of them count in the pattern,
+        and all ``ties``.
         """
         none = assembly.fixed if departed is None else assembly.fixed | departed
         loads = [load for load in dead_loads if stage is None or load.stage <= stage]
@@ -59,7 +62,8 @@ class Acting:
                 weights, steady = weights + weight, steady + rest
             else:
                 steady = steady + load.forces(assembly)
-        forces = pattern.forces(assembly, masses_of(assembly, tuple(dead_loads))).without(none)
+        masses = masses_of(assembly, tuple(dead_loads))
+        forces = pattern.forces(assembly, masses, ties).without(none)
         along, total = pattern.along(assembly), 0.0
         if _has_resultant(forces.force):
             total = float((forces.force @ along)[~none].sum())

@@ -16,6 +16,7 @@ from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.scale import Scale
+from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -111,8 +112,10 @@ class LoadPattern(Protocol):
         places as arrays (dim,), lists of tables as lists of dicts."""
         ...
 
-    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
-        """Forces at multiplier one; those on supports do not count."""
+    def forces(
+        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
+    ) -> DeadForces:
+        """Forces at multiplier one, of a structure on its ties; those on supports do not count."""
         ...
 
     def along(self, assembly: Assembly) -> Array:

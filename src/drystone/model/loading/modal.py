@@ -5,12 +5,13 @@ Of small motions x about the structure at rest under its weight
     M x'' + K x = 0
 
 with the masses and the stiffness of the joints that are then closed: all that press on each other,
-where none pulls.  Of the lowest modes that one counts which has the largest mass along the
-direction.
+where none pulls; of the springs, and of the ties that are then taut.  What rollers hold does not
+move.  Of the lowest modes that one counts which has the largest mass along the direction.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weakref import WeakKeyDictionary
@@ -25,6 +26,7 @@ from drystone.geometry.motion import about_the_world, across, rotations, transla
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.ties import Bars, Tie
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -66,13 +68,15 @@ class ModalPattern(Directed):
 
     name: ClassVar[str] = "modal"
     horizontal: ClassVar[bool] = True
-    known: WeakKeyDictionary[Assembly, tuple[Masses, Mode]] = field(
+    known: WeakKeyDictionary[Assembly, tuple[Masses, tuple[Tie, ...], Mode]] = field(
         default_factory=WeakKeyDictionary, repr=False
     )
 
-    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+    def forces(
+        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
+    ) -> DeadForces:
         """See `LoadPattern`."""
-        shape = self.mode(assembly, masses).shape
+        shape = self.mode(assembly, masses, ties).shape
         along = [motion @ self.direction for motion in _motions(assembly, masses, shape)]
         mean = masses.mean(assembly, along)
         return masses.forces_in_place(
@@ -92,13 +96,15 @@ class ModalPattern(Directed):
         object.__setattr__(self, "direction", state["direction"])
         object.__setattr__(self, "known", WeakKeyDictionary())
 
-    def mode(self, assembly: Assembly, masses: Masses = NO_MASSES) -> Mode:
+    def mode(
+        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
+    ) -> Mode:
         """The mode, found once."""
-        known = self.known.get(assembly)
-        if known is None or not _alike(known[0], masses):
-            known = masses, first_mode(assembly, self.direction, masses)
+        known, ties = self.known.get(assembly), tuple(ties)
+        if known is None or known[1] != ties or not _alike(known[0], masses):
+            known = masses, ties, first_mode(assembly, self.direction, masses, ties)
             self.known[assembly] = known
-        return known[1]
+        return known[2]
 
     def problems(self, assembly: Assembly) -> list[str]:
         """See `LoadPattern`."""
@@ -110,7 +116,12 @@ class ModalPattern(Directed):
         return found
 
 
-def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES) -> Mode:
+def first_mode(
+    assembly: Assembly,
+    direction: Array,
+    masses: Masses = NO_MASSES,
+    ties: Sequence[Tie] = (),
+) -> Mode:
     """The mode with the largest mass along a direction (dim,), of the lowest `MODES`.
 
     Raises
@@ -120,17 +131,19 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
     """
     free = np.flatnonzero(~assembly.fixed)
     mass = mass_matrices(assembly, masses)
-    stiffness, loose = _stiffness_at_rest(assembly, masses)
+    stiffness, loose = _stiffness_at_rest(assembly, masses, ties)
     if not stiffness.count_nonzero():
         raise _free(assembly, loose)
-    square, shapes = _lowest(stiffness, _side_by_side(mass[free]))
+    moving = _moving(assembly)
+    kept = np.flatnonzero(moving[free])
+    square, shapes = _lowest(stiffness, _side_by_side(mass[free])[kept][:, kept])
     rigid = np.zeros((len(free), assembly.n_dof))
     rigid[:, : assembly.dimension] = direction
-    momentum = np.einsum("nij,nj->ni", mass[free], rigid).ravel()
-    share = (shapes.T @ momentum) ** 2 / float(rigid.ravel() @ momentum)
+    momentum = np.einsum("nij,nj->ni", mass[free], rigid)
+    share = (shapes.T @ momentum[moving[free]]) ** 2 / float(rigid.ravel() @ momentum.ravel())
     best = int(np.argmax(share))
     shape = np.zeros((assembly.n_bodies, assembly.n_dof))
-    shape[free] = shapes[:, best].reshape(len(free), -1)
+    shape[moving] = shapes[:, best]
     if float(np.einsum("ni,nij,nj->n", shape, mass, shape)[loose].sum()) > FREE:
         raise _free(assembly, loose)
     along = shape[:, : assembly.dimension] @ direction
@@ -140,6 +153,11 @@ def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES)
         participation=float(share[best]),
         number=best + 1,
     )
+
+
+def _moving(assembly: Assembly) -> BoolArray:
+    """What of the blocks' motion nothing holds, (n, n_dof)."""
+    return ~assembly.fixed[:, None] & ~assembly.restrained
 
 
 def _motions(assembly: Assembly, masses: Masses, shape: Array) -> list[Array]:
@@ -178,14 +196,14 @@ def _side_by_side(blocks: Array) -> csc_array:
 
 
 def _free(assembly: Assembly, loose: IntArray) -> ModelError:
-    """The error on blocks that no closed joint ties to a support."""
+    """The error on blocks that neither closed joints nor taut ties lead to a support."""
     names = [assembly.ids[i] for i in loose]
     who, have = ("block", "has") if len(names) == 1 else ("blocks", "have")
     return ModelError(
         [
             'load.pattern: "modal" has no mode here: '
-            f"under the weight {who} {listed(names)} {have} no closed joint that leads to "
-            "a support: move them onto one another, or take another pattern"
+            f"under the weight {who} {listed(names)} {have} no closed joint or taut tie that leads "
+            "to a support: move them onto one another, or take another pattern"
         ]
     )
 
@@ -205,9 +223,11 @@ def _lowest(stiffness: csc_array, mass: csc_array) -> tuple[Array, Array]:
     return square[order], shapes[:, order]
 
 
-def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, IntArray]:
-    """Stiffness of the movable blocks on the joints that the weight closes, linear; and rows of
-    the blocks that these do not tie to a support."""
+def _stiffness_at_rest(
+    assembly: Assembly, masses: Masses, ties: Sequence[Tie]
+) -> tuple[csc_array, IntArray]:
+    """Stiffness of what moves of the blocks, on springs, ties that the weight keeps taut and joints
+    that it closes, linear; and rows of the blocks that these do not tie to a support."""
     # Imported here because it brings compiled code along, which a schema check does not need.
     from scipy.sparse import csc_array
 
@@ -227,16 +247,46 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
     table = contacts.table[touching]
     law = laws[pairs.law_of_slot[contacts.which[touching, SLOT]]]
     bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
-    columns = n_dof * np.column_stack((a, b))[:, :, None] + np.arange(n_dof)
-    matrix = _matrix(rows, columns.reshape(len(a), 1, -1), n_dof * assembly.n_bodies)
-    keep = np.flatnonzero(np.repeat(~assembly.fixed, n_dof))
-    matrix = csc_array(matrix[:, keep])
+    bars = Bars.of(assembly, ties)
     stiff = np.column_stack((table[:, STIFF_N], *[table[:, STIFF_T]] * (dim - 1)))
+    bar_rows, bar_stiff = _bar_rows(assembly, bars), np.zeros((bars.n_ties, dim))
+    bar_stiff[:, 0] = [tie.per_length for tie in ties]
+    a, b = np.append(a, bars.body[:, 0]), np.append(b, bars.body[:, 1])
+    columns = n_dof * np.column_stack((a, b))[:, :, None] + np.arange(n_dof)
+    matrix = _matrix(
+        np.concatenate((rows, bar_rows)),
+        columns.reshape(len(a), 1, -1),
+        n_dof * assembly.n_bodies,
+    )
+    keep = np.flatnonzero(_moving(assembly))
+    matrix = csc_array(matrix[:, keep])
     falling = np.broadcast_to(-assembly.up, assembly.centroid.shape)
-    dead = masses.forces(assembly, falling).wrenches(assembly)
-    least = CLOSED * float(masses.weights(assembly).sum())
-    stiffness, closed = _closed(matrix, stiff, dead.ravel()[keep], bonded, least)
+    dead = masses.forces(assembly, falling).wrenches(assembly).ravel()[keep]
+    stiffness, closed = _closed(
+        matrix,
+        np.concatenate((stiff, bar_stiff)),
+        dead,
+        first=np.append(np.zeros(len(rows)), [tie.pretension for tie in ties]),
+        bonded=np.append(bonded, [tie.compression for tie in ties]).astype(np.bool_),
+        least=CLOSED * float(masses.weights(assembly).sum()),
+    )
     return stiffness, _loose(assembly, a[closed], b[closed])
+
+
+def _bar_rows(assembly: Assembly, bars: Bars) -> Array:
+    """How much shorter ties become as their two blocks move, as the normal rows of contacts with
+    none along them, (n_ties, dim, 2 n_dof): a tie that pulls by one does such forces."""
+    from drystone.model.tie_kernels import FORCE, add_forces
+
+    n_dof = assembly.n_dof
+    rows = np.zeros((bars.n_ties, assembly.dimension, 2 * n_dof))
+    now = bars.at_rest(assembly).now
+    now[:, FORCE] = 1.0
+    for k, ends in enumerate(bars.body):
+        force = np.zeros((assembly.n_bodies, n_dof))
+        add_forces(bars.body[k : k + 1], now[k : k + 1], assembly.axes, force)
+        rows[k, 0] = force[ends].ravel()
+    return rows
 
 
 def _loose(assembly: Assembly, a: IntArray, b: IntArray) -> IntArray:
@@ -260,10 +310,16 @@ def _matrix(rows: Array, columns: IntArray, width: int) -> csc_array:
 
 
 def _closed(
-    matrix: csc_array, stiff: Array, dead: Array, bonded: BoolArray, least: float
+    matrix: csc_array,
+    stiff: Array,
+    dead: Array,
+    *,
+    first: Array,
+    bonded: BoolArray,
+    least: float,
 ) -> tuple[csc_array, BoolArray]:
-    """The stiffness with those contacts that press under the dead load, or are bonded; and these,
-    (n,)."""
+    """The stiffness with those contacts that press under the dead load, ties that pull, and what
+    is bonded; and these, (n,).  ``first`` (n,) [N] are forces before anything moves."""
     from scipy.sparse import csc_array, diags_array
     from scipy.sparse.linalg import splu
 
@@ -271,8 +327,11 @@ def _closed(
     for _ in range(LOOKS if len(stiff) else 0):
         stiffness = _of(matrix, stiff, closed)
         shift = SHIFT * float(stiffness.diagonal().mean())
-        x = splu(csc_array(stiffness + shift * diags_array(np.ones(len(dead))))).solve(dead)
-        pressed = -stiff[:, 0] * (matrix @ x).reshape(stiff.shape)[:, 0]
+        pulls = np.zeros(stiff.shape)
+        pulls[:, 0] = np.where(closed, first, 0.0)
+        shifted = csc_array(stiffness + shift * diags_array(np.ones(len(dead))))
+        x = splu(shifted).solve(dead + matrix.T @ pulls.ravel())
+        pressed = first - stiff[:, 0] * (matrix @ x).reshape(stiff.shape)[:, 0]
         now = bonded | (pressed > least)
         if np.array_equal(now, closed):
             break

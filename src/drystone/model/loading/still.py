@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,6 +10,7 @@ from drystone.common.language import say
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -17,7 +19,9 @@ class NoPattern(Directed):
 
     name: ClassVar[str] = "none"
 
-    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+    def forces(
+        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
+    ) -> DeadForces:
         """See `LoadPattern`."""
         return DeadForces.none(assembly)
 
