@@ -94,6 +94,19 @@ def test_what_is_hardly_meant_is_told_with_the_mend(tmp_path, old, new, said):
     assert f"warning: {problem}" in drystone("check", path).stdout
 
 
+@pytest.mark.parametrize(
+    ("stage", "said"), [(1, ["own weight alone, before the dead loads of stage 1 act"]), (0, [])]
+)
+def test_what_stands_only_once_a_dead_load_acts_is_told(tmp_path, stage, said):
+    """A block that leans too far, and a force on its heel that keeps it from falling."""
+    leaning = "vertices = [[-0.2, 0.0], [0.2, 0.0], [1.0, 0.9], [0.6, 0.9]]"
+    more = '[[dead_load]]\nkind = "force"\nblock = "b1"\npoint = [-0.2, 0.0]\n'
+    more += f"force = [0.0, -5e3]\nmass = false\nstage = {stage}\n"
+    found = problems(written(tmp_path, (B1, leaning), more=more))
+    assert len(found) == len(said)
+    assert all(words in sentence for words, sentence in zip(said, found, strict=True))
+
+
 def test_settings_of_a_load_are_told_where_supports_move(tmp_path):
     moved = '[settlement]\nblocks = ["base"]\ndirection = [0.0, -1.0]\nmax = 0.01\n'
     moved += '[analysis]\nstrategy = "published"\nmax_displacement = 0.001\nmax_steps = 5\n'

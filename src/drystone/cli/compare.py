@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from drystone.report.folder.results import Results
     from drystone.results.curve import CapacityCurve
 
+#: Displacements [m] below this are written with a power of ten.
+LEAST_SHOWN = 1e-4
+
 Folders = Annotated[
     list[Path], typer.Argument(metavar="DIR ...", help="Folders of results.", show_default=False)
 ]
@@ -118,10 +121,16 @@ def _table(rows: Sequence[dict[str, Any]]) -> str:
         f"{'':<{width}}  {'engine':<12} {'peak':>8} {'at [m]':>9} {'end [m]':>9}  status",
     ]
     for row in rows:
-        end = row["ultimate_displacement"]
         lines.append(
             f"{printable(row['name']):<{width}}  {row['engine']:<12} "
-            f"{row['peak_multiplier']:>8.4f} {row['peak_displacement']:>9.5f} "
-            f"{'-' if end is None else format(end, '.4f'):>9}  {row['status']}"
+            f"{row['peak_multiplier']:>8.4f} {_metres(row['peak_displacement']):>9} "
+            f"{_metres(row['ultimate_displacement']):>9}  {row['status']}"
         )
     return "\n".join(lines)
+
+
+def _metres(value: float | None) -> str:
+    """With as many digits as tell it from nothing."""
+    if value is None:
+        return "-"
+    return f"{value:.5f}" if not 0.0 < abs(value) < LEAST_SHOWN else f"{value:.1e}"

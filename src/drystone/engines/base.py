@@ -18,7 +18,7 @@ from drystone.common.codec import Derived
 from drystone.contact.forces import ContactForces
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
-from drystone.model.loading import DeadLoad, LoadPattern
+from drystone.model.loading import DeadLoad, LoadPattern, stages_of
 from drystone.model.monitor import ControlPoint
 from drystone.model.settlement import Settlement
 from drystone.model.ties import Tie, TieState
@@ -47,9 +47,8 @@ class Problem:
 
     @property
     def stages(self) -> tuple[int, ...]:
-        """Stages of the dead loads, the weight first.  Each acts once the structure rests under
-        those before it."""
-        return tuple(sorted({0, *(load.stage for load in self.dead_loads)}))
+        """See `stages_of`."""
+        return stages_of(self.dead_loads)
 
     @property
     def level(self) -> float:

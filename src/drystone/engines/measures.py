@@ -15,7 +15,7 @@ from drystone.engines.base import Problem, StepReport
 from drystone.law.certificate import Certificate
 from drystone.law.columns import DILATION
 from drystone.model.assembly import GRAVITY
-from drystone.model.loading import Acting
+from drystone.model.loading import Acting, dead_words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,17 +186,7 @@ def _friction_of(outcome: StepOutcome, push: float, least: float) -> Sequence[fl
 
 def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> str:
     """Which blocks move under what acts in a stage, or in all, the farthest first."""
-    ids, weight = problem.assembly.ids, "own weight"
-    later = [] if stage is None else [s for s in problem.stages if s > stage]
-    if any(stage is None or load.stage <= stage for load in problem.dead_loads):
-        weight = "own weight and the dead loads"
-        if later:
-            weight += f" of stage {stage} and below"
-    elif later:
-        weight = (
-            f"own weight alone, before the dead loads of stage {min(later)} act (stage = 0 lets a "
-            "dead load act with the weight)"
-        )
+    ids, weight = problem.assembly.ids, dead_words(problem.dead_loads, stage)
     if not motion.any():
         return f"no equilibrium under the structure's {weight} was found"
     order = np.argsort(-motion, kind="stable")

@@ -28,7 +28,7 @@ from drystone.limit.non_associative import (
 from drystone.limit.program import OPTIMAL, UNBOUNDED, Answer
 from drystone.model.assembly import Assembly, crushes
 from drystone.model.joint_law import JointLaw
-from drystone.model.loading import MassPattern
+from drystone.model.loading import MassPattern, dead_words, stages_of
 from drystone.model.model import Model
 
 #: Forces below this share of the heaviest weight count as zero.
@@ -307,12 +307,16 @@ class AtRest:
 
 
 def at_rest(model: Model) -> AtRest:
-    """A structure under its own weight: what the supports carry, or why it falls."""
-    equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
-    answer = bounds.dead_load_factor(equilibrium)
-    if not bounds.is_whole(answer):
-        reason = _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium)).reason
-        return AtRest(falls=reason, reaction=None)
+    """A structure under its own weight and stage after stage of its dead loads: what the supports
+    carry at last, or why it falls."""
+    for stage in stages_of(model.dead_loads):
+        loads = tuple(load for load in model.dead_loads if load.stage <= stage)
+        equilibrium = Equilibrium.of(model.assembly, model.load, loads, model.ties)
+        answer = bounds.dead_load_factor(equilibrium)
+        if not bounds.is_whole(answer):
+            under = dead_words(model.dead_loads, stage)
+            fallen = _unstable(equilibrium, ASSOCIATIVE, bounds.fall(equilibrium), under)
+            return AtRest(falls=fallen.reason, reaction=None)
     fixed, points = model.assembly.fixed, equilibrium.points
     onto = fixed[points.block_a].astype(float) - fixed[points.block_b]  # of the movable block
     upward = np.einsum("kj,kji,i->k", answer.forces, points.frame, model.assembly.up)
@@ -483,11 +487,13 @@ def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> f
     return float(np.where(off > 0.0, np.minimum(off, np.abs(force)), -off).max(initial=0.0))
 
 
-def _unstable(equilibrium: Equilibrium, flow: str, velocity: Array) -> Collapse:
+def _unstable(
+    equilibrium: Equilibrium, flow: str, velocity: Array, under: str = "own weight"
+) -> Collapse:
     velocities = _normalised(equilibrium, velocity)
     moving = _moving(equilibrium.assembly, velocities, FALLING)
     reason = (
-        f"does not stand under its own weight: {_named(moving)} would move before any load; "
+        f"does not stand under its {under}: {_named(moving)} would move before any load; "
         f"support it, widen the joints or raise their {_strengths(equilibrium.assembly)}"
     )
     return _without(equilibrium, flow, "unstable", reason, velocities, moving)

@@ -2,7 +2,15 @@
 
 from drystone.model.loading.acceleration import Acceleration, AccelerationPattern
 from drystone.model.loading.acting import Acting, dead_load
-from drystone.model.loading.base import NO_MASSES, DeadLoad, LoadPattern, Masses, masses_of
+from drystone.model.loading.base import (
+    NO_MASSES,
+    DeadLoad,
+    LoadPattern,
+    Masses,
+    dead_words,
+    masses_of,
+    stages_of,
+)
 from drystone.model.loading.dead import FaceLoad, FillLoad, ForceLoad, SurchargeLoad
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.forces import ForcesPattern
@@ -37,5 +45,7 @@ __all__ = [
     "TriangularPattern",
     "UniformPattern",
     "dead_load",
+    "dead_words",
     "masses_of",
+    "stages_of",
 ]

@@ -249,6 +249,26 @@ class DeadLoad(Protocol):
         ...
 
 
+def stages_of(loads: Sequence[DeadLoad]) -> tuple[int, ...]:
+    """Stages of dead loads, the weight first.  Each acts once the structure rests under those
+    before it."""
+    return tuple(sorted({0, *(load.stage for load in loads)}))
+
+
+def dead_words(loads: Sequence[DeadLoad], stage: int | None = None) -> str:
+    """What acts on a structure in a stage, or in all, as the end of "under its"."""
+    later = [] if stage is None else [s for s in stages_of(loads) if s > stage]
+    if any(stage is None or load.stage <= stage for load in loads):
+        more = f" of stage {stage} and below" if later else ""
+        return f"own weight and the dead loads{more}"
+    if later:
+        return (
+            f"own weight alone, before the dead loads of stage {min(later)} act (stage = 0 lets a "
+            "dead load act with the weight)"
+        )
+    return "own weight"
+
+
 def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
     """Masses that go with the loads that say so: what they weigh, where they lie."""
     counted = [load.forces(assembly) for load in loads if load.mass]
