@@ -51,7 +51,7 @@ class VibrationMode:
         load, assembly = model.load, model.assembly
         if not isinstance(load, ModalPattern):
             return None
-        mode = load.mode(assembly, masses_of(assembly, model.dead_loads), model.ties)
+        mode = load.mode(assembly, masses_of(assembly, model.dead_loads, model.ties))
         return cls(number=mode.number, period=mode.period, participation=mode.participation)
 
 

@@ -157,8 +157,8 @@ def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str
     pattern, assembly = model.load, model.assembly
     if pattern.name == "mass":
         return 1.0, ()
-    masses = masses_of(assembly, tuple(model.dead_loads))
-    forces, field = pattern.forces(assembly, masses, model.ties), shape.field
+    masses = masses_of(assembly, model.dead_loads, model.ties)
+    forces, field = pattern.forces(assembly, masses), shape.field
     present = shape.mass > 0.0
     work = float((forces.force * field.velocity)[present].sum())
     work += float((forces.moments() * field.spin)[present].sum())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -18,7 +18,6 @@ from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.forces import leading
 from drystone.model.loading.targets import TARGET_KEYS, Target
 from drystone.model.scale import Scale
-from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,9 +63,7 @@ class AccelerationPattern:
             field[entry.rows(assembly)] = entry.acceleration
         return field
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
         return masses.forces(assembly, self.field(assembly))
 

@@ -62,8 +62,8 @@ class Acting:
                 weights, steady = weights + weight, steady + rest
             else:
                 steady = steady + load.forces(assembly)
-        masses = masses_of(assembly, tuple(dead_loads))
-        forces = pattern.forces(assembly, masses, ties).without(none)
+        masses = masses_of(assembly, dead_loads, ties)
+        forces = pattern.forces(assembly, masses).without(none)
         along, total = pattern.along(assembly), 0.0
         if _has_resultant(forces.force):
             total = float((forces.force @ along)[~none].sum())

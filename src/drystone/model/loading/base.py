@@ -43,9 +43,11 @@ class CarriedMasses:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Masses:
-    """Masses of dead loads that count in patterns, beside those of the blocks."""
+    """Masses of dead loads that count in patterns, beside those of the blocks, and the ties that
+    they vibrate on."""
 
     carried: tuple[CarriedMasses, ...] = ()  # of each load
+    ties: tuple[Tie, ...] = ()  # and springs
 
     @property
     def together(self) -> CarriedMasses | None:
@@ -112,10 +114,8 @@ class LoadPattern(Protocol):
         places as arrays (dim,), lists of tables as lists of dicts."""
         ...
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
-        """Forces at multiplier one, of a structure on its ties; those on supports do not count."""
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
+        """Forces at multiplier one; those on supports do not count."""
         ...
 
     def along(self, assembly: Assembly) -> Array:
@@ -269,10 +269,11 @@ def dead_words(loads: Sequence[DeadLoad], stage: int | None = None) -> str:
     return "own weight"
 
 
-def masses_of(assembly: Assembly, loads: tuple[DeadLoad, ...]) -> Masses:
+def masses_of(assembly: Assembly, loads: Sequence[DeadLoad], ties: Sequence[Tie] = ()) -> Masses:
     """Masses that go with the loads that say so: what they weigh, where they lie."""
     counted = [load.forces(assembly) for load in loads if load.mass]
-    return Masses(carried=tuple(CarriedMasses.of(assembly, forces) for forces in counted))
+    carried = tuple(CarriedMasses.of(assembly, forces) for forces in counted)
+    return Masses(carried=carried, ties=tuple(ties))
 
 
 def rises(load: DeadLoad, assembly: Assembly, place: str) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
@@ -21,7 +21,6 @@ from drystone.model.loading.base import NO_MASSES, Masses
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.targets import CENTRE, TARGET_KEYS, PointForce
 from drystone.model.scale import Scale
-from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,9 +53,7 @@ class ForcesPattern:
         """See `LoadPattern`."""
         return cls(entries=tuple(PointForce(**table) for table in values.get("force", ())))
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
         return reduce(add, (entry.forces(assembly) for entry in self.entries))
 

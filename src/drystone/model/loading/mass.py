@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +10,6 @@ import numpy as np
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
-from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -20,8 +18,6 @@ class MassPattern(Directed):
 
     name: ClassVar[str] = "mass"
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
         return masses.forces(assembly, np.broadcast_to(self.direction, assembly.centroid.shape))

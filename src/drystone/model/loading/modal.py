@@ -11,7 +11,6 @@ move.  Of the lowest modes that one counts which has the largest mass along the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weakref import WeakKeyDictionary
@@ -26,7 +25,7 @@ from drystone.geometry.motion import about_the_world, across, rotations, transla
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
-from drystone.model.ties import Bars, Tie
+from drystone.model.ties import Bars
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -68,15 +67,13 @@ class ModalPattern(Directed):
 
     name: ClassVar[str] = "modal"
     horizontal: ClassVar[bool] = True
-    known: WeakKeyDictionary[Assembly, tuple[Masses, tuple[Tie, ...], Mode]] = field(
+    known: WeakKeyDictionary[Assembly, tuple[Masses, Mode]] = field(
         default_factory=WeakKeyDictionary, repr=False
     )
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
-        shape = self.mode(assembly, masses, ties).shape
+        shape = self.mode(assembly, masses).shape
         along = [motion @ self.direction for motion in _motions(assembly, masses, shape)]
         mean = masses.mean(assembly, along)
         return masses.forces_in_place(
@@ -96,15 +93,13 @@ class ModalPattern(Directed):
         object.__setattr__(self, "direction", state["direction"])
         object.__setattr__(self, "known", WeakKeyDictionary())
 
-    def mode(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> Mode:
+    def mode(self, assembly: Assembly, masses: Masses = NO_MASSES) -> Mode:
         """The mode, found once."""
-        known, ties = self.known.get(assembly), tuple(ties)
-        if known is None or known[1] != ties or not _alike(known[0], masses):
-            known = masses, ties, first_mode(assembly, self.direction, masses, ties)
+        known = self.known.get(assembly)
+        if known is None or not _alike(known[0], masses):
+            known = masses, first_mode(assembly, self.direction, masses)
             self.known[assembly] = known
-        return known[2]
+        return known[1]
 
     def problems(self, assembly: Assembly) -> list[str]:
         """See `LoadPattern`."""
@@ -116,12 +111,7 @@ class ModalPattern(Directed):
         return found
 
 
-def first_mode(
-    assembly: Assembly,
-    direction: Array,
-    masses: Masses = NO_MASSES,
-    ties: Sequence[Tie] = (),
-) -> Mode:
+def first_mode(assembly: Assembly, direction: Array, masses: Masses = NO_MASSES) -> Mode:
     """The mode with the largest mass along a direction (dim,), of the lowest `MODES`.
 
     Raises
@@ -131,7 +121,7 @@ def first_mode(
     """
     free = np.flatnonzero(~assembly.fixed)
     mass = mass_matrices(assembly, masses)
-    stiffness, loose = _stiffness_at_rest(assembly, masses, ties)
+    stiffness, loose = _stiffness_at_rest(assembly, masses)
     if not stiffness.count_nonzero():
         raise _free(assembly, loose)
     moving = _moving(assembly)
@@ -223,9 +213,7 @@ def _lowest(stiffness: csc_array, mass: csc_array) -> tuple[Array, Array]:
     return square[order], shapes[:, order]
 
 
-def _stiffness_at_rest(
-    assembly: Assembly, masses: Masses, ties: Sequence[Tie]
-) -> tuple[csc_array, IntArray]:
+def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, IntArray]:
     """Stiffness of what moves of the blocks, on springs, ties that the weight keeps taut and joints
     that it closes, linear; and rows of the blocks that these do not tie to a support."""
     # Imported here because it brings compiled code along, which a schema check does not need.
@@ -247,7 +235,7 @@ def _stiffness_at_rest(
     table = contacts.table[touching]
     law = laws[pairs.law_of_slot[contacts.which[touching, SLOT]]]
     bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
-    bars = Bars.of(assembly, ties)
+    ties, bars = masses.ties, Bars.of(assembly, masses.ties)
     stiff = np.column_stack((table[:, STIFF_N], *[table[:, STIFF_T]] * (dim - 1)))
     bar_rows, bar_stiff = _bar_rows(assembly, bars), np.zeros((bars.n_ties, dim))
     bar_stiff[:, 0] = [tie.per_length for tie in ties]
@@ -349,8 +337,9 @@ def _of(matrix: csc_array, stiff: Array, closed: BoolArray) -> csc_array:
 
 
 def _alike(first: Masses, second: Masses) -> bool:
-    """Whether the same masses lie at the same places."""
-    return len(first.carried) == len(second.carried) and all(
+    """Whether the same masses lie at the same places, on the same ties."""
+    alike = first.ties == second.ties and len(first.carried) == len(second.carried)
+    return alike and all(
         np.array_equal(a.weight, b.weight) and np.array_equal(a.moment, b.moment)
         for a, b in zip(first.carried, second.carried, strict=True)
     )

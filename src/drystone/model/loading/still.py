@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,7 +9,6 @@ from drystone.common.language import say
 from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
-from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -19,9 +17,7 @@ class NoPattern(Directed):
 
     name: ClassVar[str] = "none"
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
         return DeadForces.none(assembly)
 

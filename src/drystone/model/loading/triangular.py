@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -15,7 +15,6 @@ from drystone.model.assembly import Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.scale import Scale
-from drystone.model.ties import Tie
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,9 +34,7 @@ class TriangularPattern(Directed):
     )
     base: float | None = None  # m, height; None: where the lowest movable block begins
 
-    def forces(
-        self, assembly: Assembly, masses: Masses = NO_MASSES, ties: Sequence[Tie] = ()
-    ) -> DeadForces:
+    def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
         """See `LoadPattern`."""
         heights = [self.heights(assembly, arm) for arm in masses.arms(assembly)]
         mean = masses.mean(assembly, heights)
