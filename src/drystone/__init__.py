@@ -5,6 +5,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from drystone.analysis.directions import Polar, polar
     from drystone.analysis.driver import pushover
+    from drystone.assessment.errors import AssessmentError
     from drystone.common.compilation import Compilation
     from drystone.engines.base import EngineError, UnstableError
     from drystone.io.drawings.blocks import imported
@@ -52,6 +53,7 @@ _PLACES = {
     "AccelerationPattern": "drystone.model.loading",
     "Analysis": "drystone.model.model",
     "Assembly": "drystone.model.assembly",
+    "AssessmentError": "drystone.assessment.errors",
     "Block": "drystone.model.assembly",
     "CapacityCurve": "drystone.results.curve",
     "Collapse": "drystone.limit",

@@ -229,3 +229,24 @@ def test_uneven_units_are_of_courses():
     leaning = Block(id="a", vertices=[[0, 0], [1, 0], [1.2, 1], [0, 1]], unit_weight=1.0)
     with pytest.raises(StudyError, match="courses of rectangles"):
         imperfect([leaning], Imperfection(unit_sizes=0.1), 1)
+
+
+def test_peaks_that_no_curve_passes_are_told(study, tmp_path):
+    """Of walls that are pushed by 0.1 mm, and so of one that falls without any load."""
+    file = study()
+    text = (tmp_path / "wall.toml").read_text()
+    (tmp_path / "wall.toml").write_text(text.replace("= 0.02\n", "= 1e-4\n"))
+    process = command(file, "--out", tmp_path / "out", "--workers", 1)
+    told, _ = process.communicate(timeout=120)
+    assert process.returncode == 0
+    assert "not passed in 4 of 4: there peak_multiplier is the highest so far" in told
+    assert not pd.read_parquet(tmp_path / "out" / "samples.parquet")["peak_passed"].any()
+
+
+def test_a_study_of_which_nothing_is_finished_says_why(study, tmp_path):
+    text = (tmp_path / "wall.toml").read_text()
+    (tmp_path / "wall.toml").write_text(text.replace("max_displacement = 0.02", "max_steps = 2"))
+    process = command(study(), "--out", tmp_path / "out", "--workers", 1)
+    told, _ = process.communicate(timeout=120)
+    assert process.returncode == 3
+    assert "4 times: the limit of 2 steps was reached" in told

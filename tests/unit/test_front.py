@@ -181,6 +181,18 @@ class TestNames:
             ds.load_results(tmp_path / "out").groups["x"]
 
 
+def test_a_curve_is_saved_with_the_model_that_was_traced(tmp_path):
+    model = stack((0.4, 0.9))
+    traced = ds.pushover(model, max_steps=3, progress=False)
+    for other in (model.with_joint(friction_coefficient=0.1), stack((0.4, 0.9), (0.4, 0.9))):
+        with pytest.raises(ValueError, match="traced of another structure"):
+            ds.save_results(traced, other, tmp_path / "other")
+    assert not list(tmp_path.iterdir())
+    ds.write_model(model, tmp_path / "model.toml")
+    for same in (model.with_analysis(max_steps=5), ds.read_model(tmp_path / "model.toml")):
+        ds.save_results(traced, same, tmp_path / "same")
+
+
 class TestProgress:
     """Bars show long work by default where somebody watches."""
 

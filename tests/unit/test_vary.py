@@ -113,6 +113,10 @@ class TestJoint:
 
 
 class TestOthers:
+    def test_a_setting_of_the_analysis_is_a_number(self):
+        with pytest.raises(ds.ModelError, match=r'\[analysis\] engin: must be a number, .*"nscd"'):
+            stack((0.4, 0.9)).with_analysis(engin="nscd")
+
     def test_corners(self):
         model = stack((0.4, 0.9)).with_corner(radius=0.02)
         assert model.assembly.shapes.radius.tolist() == [0.02, 0.02]

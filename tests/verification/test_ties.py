@@ -354,6 +354,10 @@ def test_what_no_file_can_say(keys, sentence, tmp_path):
         ds.read_model(tmp_path / "m.toml")
 
 
+def test_the_ground_has_the_name_that_files_give_it():
+    assert ds.TieEnd(block="ground", point=np.array(WALL)).block is None
+
+
 def test_a_movable_block_is_not_called_ground():
     """Its ties would have held to what does not move."""
     held = tie(end=ds.TieEnd(block="ground", point=np.array(WALL)))

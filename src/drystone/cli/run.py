@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli.directions import Asked, number_of, run_directions
+from drystone.cli.directions import TABLE, Asked, number_of, run_directions
 from drystone.cli.limits import Limits
 from drystone.cli.options import AsJson, OptionalModelFile, Quiet, StrategyName
 from drystone.cli.outcome import emit, exit_code, fail, outcome, tell
@@ -147,7 +147,12 @@ def run(
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
     begun = False
-    with outcome(as_json=as_json, begun=lambda: begun), _beginning(context, directions) as limits:
+
+    def kept() -> bool:
+        """Whether something is there: of directions, what they have in common."""
+        return begun or (number is not None and (folder / TABLE).is_file())
+
+    with outcome(as_json=as_json, begun=kept), _beginning(context, directions) as limits:
         with importing():
             from drystone.io.modelfile import read_model
         model = read_model(model_file)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from drystone.studies.running import Progress
     from drystone.studies.study import Study
 
+#: Reasons that are told on the terminal.
+MOST_REASONS = 3
+
 StudyFile = Annotated[
     Path, typer.Argument(metavar="STUDY", help="Study file, TOML or JSON.", show_default=False)
 ]
@@ -115,7 +118,7 @@ def study(
             emit({**found, "directory": str(folder)})
         else:
             typer.echo(report(found, folder))
-    raise typer.Exit(DONE)
+    raise typer.Exit(DONE if "finished" in found["statuses"] else UNFINISHED)
 
 
 def _again(asked: Study, folder: Path, sample: int, *, as_json: bool, quiet: bool) -> None:
@@ -200,12 +203,16 @@ def state_of(progress: Progress) -> str:
 def report(found: dict[str, Any], folder: Path) -> str:
     """The few lines that a person wants to read first."""
     from drystone.model.construction.words import printable
+    from drystone.studies.findings import peaks_not_passed
 
     lines = [printable(str(found["title"]))]
     counts = ", ".join(f"{n} {status}" for status, n in found["statuses"].items())
     lines.append(f"  {'samples':<22} {found['n_samples']} by {found['design']}: {counts}")
     if found.get("n_certified") is not None:
         lines.append(f"  {'certified':<22} {found['n_certified']} of {found['n_samples']}")
+    if note := peaks_not_passed(found):
+        lines.append(f"  {'peak':<22} {note}")
+    lines += [f"  {'why not':<22} {n} times: {printable(why)}" for why, n in _reasons(found)]
     for name in found["effects"]:
         summary = found["columns"][name]
         lines.append(
@@ -223,6 +230,11 @@ def report(found: dict[str, Any], folder: Path) -> str:
             )
     lines.append(f"  {'results':<22} {folder}/")
     return "\n".join(lines)
+
+
+def _reasons(found: dict[str, Any]) -> list[tuple[str, int]]:
+    """What most samples say why they are not finished, the most frequent first."""
+    return sorted(found.get("reasons", {}).items(), key=lambda item: -item[1])[:MOST_REASONS]
 
 
 def _of_indices(output: str, parameters: dict[str, Any]) -> list[str]:

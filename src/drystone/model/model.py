@@ -11,6 +11,7 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
+from drystone.common.ranges import found
 from drystone.common.vectors import direction_of
 from drystone.geometry.mended import Mended
 from drystone.model.assembly import Assembly, Corner
@@ -282,7 +283,19 @@ class Model:
             As in `Analysis`. Those that are left out do not change.
         options
             Settings by name, in addition to the present ones; None removes a setting.
+
+        Raises
+        ------
+        ModelError
+            A setting is no number.
         """
+        wrong = [
+            f"[analysis] {name}: must be a number, it is {found(value)}"
+            for name, value in options.items()
+            if value is not None and not isinstance(value, int | float | np.number)
+        ]
+        if wrong:
+            raise ModelError(wrong)
         now = self.analysis
         given = {
             "engine": engine,

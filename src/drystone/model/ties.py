@@ -41,7 +41,11 @@ class TieEnd:
     """Where a tie is fixed: at a point of a block as designed, or of the ground."""
 
     point: Array  # (dim,) m
-    block: str | None = None  # None: the ground, which does not move
+    block: str | None = None  # None or "ground": the ground, which does not move
+
+    def __post_init__(self) -> None:
+        if self.block == GROUND:
+            object.__setattr__(self, "block", None)
 
     def row(self, assembly: Assembly, moving: IntArray | None = None) -> int:
         """Of its block; where it is on the ground, of a support that is not among the ``moving``

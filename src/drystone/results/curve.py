@@ -215,6 +215,10 @@ def _stays(before: CurvePoint, point: CurvePoint) -> bool:
     return abs(point.control_displacement - before.control_displacement) <= rounding
 
 
+#: What of a model makes its curve, beside how it is traced.
+TRACED = ("assembly", "load", "dead_loads", "ties", "settlement", "history")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CapacityCurve:
     """Load multiplier against control displacement, over the peak and down.
@@ -242,12 +246,27 @@ class CapacityCurve:
     motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
     control_point: ControlPoint | None = None  # None of curves that were read: that of their model
+    model: Model | None = None  # what was traced; None of curves that were read
 
     def traced_of(self, model: Model) -> Model:
         """The model with the control point that the curve was traced with."""
         if self.control_point is None or model.control_point is self.control_point:
             return model
         return replace(model, control_point=self.control_point)
+
+    def is_of(self, model: Model) -> bool:
+        """Whether this structure under these loads was traced, as far as the curve knows; its
+        control point, analysis and assessment may be others."""
+        if self.model is None:
+            return True
+        own = {name: getattr(self.model, name) for name in TRACED}
+        if all(value is getattr(model, name) for name, value in own.items()):
+            return True
+        if self.model.assembly.ids != model.assembly.ids:
+            return False
+        from drystone.model.construction.describe import digest
+
+        return digest(replace(model, **own)) == digest(model)
 
     def column(self, name: str) -> NDArray[Any]:
         """One quantity over all points, (n_points,); the names are the fields of `CurvePoint`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,8 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = {
         "statuses": frame["status"].value_counts().to_dict(),
         "reasons": frame["reason"][wrong].value_counts()[:10].to_dict(),
-        "n_certified": _n_certified(frame),
+        "n_certified": _count(frame, "certified", True),
+        "n_peaks_not_passed": _count(frame, "peak_passed", False),
         "columns": {name: _summary(_array(frame, name)) for name in columns},
         "effects": {name: indices.effects(asked, frame, name) for name in main},
         "convergence": {name: indices.convergence(values[name]) for name in main},
@@ -45,6 +47,16 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     if judge is not None:
         found["indices"] = {name: judge(asked, values[name]) for name in main}
     return plain(found)  # type: ignore[no-any-return]
+
+
+def peaks_not_passed(found: Mapping[str, Any]) -> str:
+    """A sentence where curves of the samples end before their peak; "" where none does."""
+    if not (number := found.get("n_peaks_not_passed")):
+        return ""
+    return (
+        f"not passed in {number} of {found['n_samples']}: there peak_multiplier is the highest "
+        "so far"
+    )
 
 
 def _distinct(values: dict[str, Array]) -> dict[str, Array]:
@@ -71,10 +83,9 @@ def _array(frame: Any, name: str) -> Array:
     return frame[name].to_numpy(dtype=float, na_value=np.nan)  # type: ignore[no-any-return]
 
 
-def _n_certified(frame: Any) -> int | None:
-    if "certified" not in frame:
-        return None
-    return int((frame["certified"] == True).sum())  # noqa: E712  # of a column
+def _count(frame: Any, name: str, value: bool) -> int | None:
+    """Samples of which a column is true, or false; None where there is no such column."""
+    return int((frame[name] == value).sum()) if name in frame else None
 
 
 def _extremes(values: dict[str, Array]) -> dict[str, Any]:

@@ -240,6 +240,7 @@ def _of_curve(curve: Any) -> dict[str, Any]:
     return {
         "peak_multiplier": peak.load_multiplier,
         "peak_displacement": peak.control_displacement,
+        "peak_passed": curve.peak_passed,
         "ultimate_displacement": curve.ultimate_displacement,
         "capacity_multiplier": capacity.load_multiplier,
         "capacity_displacement": capacity.control_displacement,

@@ -21,8 +21,9 @@ ABOUT = ("sample", "seed", "status", "reason", "seconds", "version", "digest")
 #: Columns of what each output tells, in their order; of "assess" more come with the method.
 COLUMNS: dict[str, tuple[str, ...]] = {
     "curve": (
-        "peak_multiplier", "peak_displacement", "ultimate_displacement", "capacity_multiplier",
-        "capacity_displacement", "max_residual", "max_penetration", "n_points", "certified",
+        "peak_multiplier", "peak_displacement", "peak_passed", "ultimate_displacement",
+        "capacity_multiplier", "capacity_displacement", "max_residual", "max_penetration",
+        "n_points", "certified",
     ),
     "limit": ("limit_associative", "limit_non_associative"),
     "assess": ("safety_index", "satisfied", "activation_multiplier"),

@@ -128,7 +128,8 @@ def _overturning(pulses: list[dict[str, Any]], verified: bool) -> LimitState:
 def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> Assessment:
     """Rocking of the mechanism under pulses and records, in the reading of the energy.
 
-    Spectra are not used.  Limit states SLV and SLC are of records, "overturning" is of pulses.
+    Spectra are not used.  Limit states SLV and SLC are of records, "overturning" is of pulses: it
+    counts unless the settings name others alone.
 
     Raises
     ------
@@ -160,9 +161,8 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
         records = [record_facts(r, rocker, block, settings) for r in settings.records]
         states += _states(c, records, settings)
     if pulses:
-        states += (
-            _overturning(pulses, not records or "overturning" in (settings.limit_states or ())),
-        )
+        asked = settings.limit_states or MORE_STATES
+        states += (_overturning(pulses, "overturning" in asked),)
     return Assessment(
         method=NAME,
         capacity=c,

@@ -21,7 +21,7 @@ from drystone.io.modelfile.keys import (
     sentence,
 )
 from drystone.model.settlement import Settlement
-from drystone.model.ties import GROUND, Tie, TieEnd
+from drystone.model.ties import Tie, TieEnd
 
 
 class EndSection(Section):
@@ -118,8 +118,7 @@ def _common(section: SpringSection) -> dict[str, Any]:
 
 
 def _end(section: EndSection) -> TieEnd:
-    block = None if section.block == GROUND else section.block
-    return TieEnd(block=block, point=np.array(section.point))
+    return TieEnd(block=section.block, point=np.array(section.point))
 
 
 def _tie(section: TieSection) -> Tie:

@@ -153,15 +153,28 @@ def of_analysis(
             (words["peak_at"], number(peak.control_displacement, "m")),
             (words["ultimate"], number(curve.ultimate_displacement, "m")),
         ]
-    rows += [
-        (words[key], number(summary[f"{key}_multiplier"]))
-        for key in ("associative", "non_associative")
-        if summary.get(f"{key}_multiplier") is not None
-    ]
+    rows += _of_limits(summary, words)
     if curve.events:
         rows.append((words["events"], "; ".join(event.said.spoken for event in curve.events)))
     if math.isfinite(curve.wall_time):
         rows.append((words["wall_time"], number(curve.wall_time, "s", 3)))
+    return rows
+
+
+def _of_limits(summary: Mapping[str, Any], words: Words) -> list[Row]:
+    """Multipliers of limit analysis, with the ranges that contact points and paths leave."""
+    low, high = summary.get("collapse_range") or (summary.get("non_associative_multiplier"), None)
+    pairs = (
+        ("associative", summary.get("associative_multiplier")),
+        ("across_corners", summary.get("upper_bound")),
+        ("non_associative", low),
+        ("non_associative_most", high),
+    )
+    rows: list[Row] = []
+    for k, (key, value) in enumerate(pairs):
+        # The upper end of a range only where it differs in print.
+        if value is not None and (k % 2 == 0 or number(value) != number(pairs[k - 1][1])):
+            rows.append((words[key], number(value)))
     return rows
 
 

@@ -49,7 +49,8 @@ def save_results(
     OutputError
         The folder cannot be written.
     ValueError
-        The curve has no points, poses or contacts, or was loaded from that very folder.
+        The curve has no points, poses or contacts, was traced of another model, or was loaded from
+        that very folder.
     """
     if not curve.points or curve.poses is None or curve.contacts is None:
         raise ValueError(
@@ -58,6 +59,11 @@ def save_results(
         )
     if isinstance(curve.contacts, StoredContacts) and curve.contacts.within(Path(path)):
         raise ValueError(f"the curve is read from {path} as it is written: name another folder")
+    if not curve.is_of(model):
+        raise ValueError(
+            "the curve was traced of another structure, or under other loads: give the model that "
+            "was traced"
+        )
     from drystone.limit import limits_beside  # takes long, which reading results need not
 
     model = curve.traced_of(model)
