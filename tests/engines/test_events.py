@@ -323,3 +323,28 @@ class TestWhatMoves:
         assert beside(control=None).with_joint(friction_coefficient=0.5).control_point.default
         assert not beside(control="tall").with_joint(friction_coefficient=0.5).control_point.default
         assert not beside(control=None).with_control(block="small").control_point.default
+
+
+@ENGINES
+def test_what_an_engine_follows_as_it_falls_has_fallen(engine):
+    """A slender block leans on another at last; the control point, on a pier, went back and forth.
+
+    Some engines pass its fall as equilibria under a load against the load: the highest multiplier,
+    0.152 of what is left, was told as the capacity.
+    """
+    boxes = {
+        "base": ((-1.0, -1.0, -0.3), (3.0, 1.0, 0.0)),
+        "slender": ((-0.5, 0.0, 0.0), (-0.3, 0.3, 1.8)),
+        "foot": ((0.0, 0.0, 0.0), (0.4, 0.4, 1.0)),
+        "pier": ((0.0, 0.0, 1.0), (0.4, 0.4, 2.0)),
+    }
+    model = make_model(
+        [box(name, *corners, support=name == "base") for name, corners in boxes.items()],
+        joint=JointLaw(friction_coefficient=0.7, normal_stiffness=1e10, shear_stiffness=1e10),
+        load_direction=(1.0, 0.0, 0.0),
+        control_block="pier",
+    )
+    curve = ds.pushover(model, engine=engine)
+    assert curve.first_collapse.blocks == ("slender",)
+    assert curve.capacity.load_multiplier == pytest.approx(0.2 / 1.8, rel=0.01)
+    assert curve.rises_after_collapse

@@ -81,12 +81,21 @@ def test_no_static_step_hides_a_fall(engine):
     assert first.kind is EventKind.BLOCK_FALLEN and first.blocks == ("small",)
     assert first.motion > 0.5
     assert curve.events[0].kind is EventKind.LOSS_OF_EQUILIBRIUM
-    assert curve.points[first.step + 1].status == DYNAMIC
+    assert any(point.status == DYNAMIC for point in until_regained(curve, first))
     assert curve.capacity.load_multiplier == pytest.approx(0.2, abs=4e-3)
     # It has come to rest there, and the curve goes on: turned by 0.1 about its toe, the tall block
     # carries tan(arctan 0.4 - 0.1) = 0.29.
     last = curve.points[-1]
     assert last.status == STATIC and last.load_multiplier == pytest.approx(0.29, abs=0.01)
+
+
+def until_regained(curve, event):
+    """The points after an event up to the first at rest with a larger control displacement: an
+    engine may follow what slides through equilibria before it moves."""
+    for point in curve.points[event.step + 1 :]:
+        if point.status == STATIC and point.control_displacement > event.control_displacement:
+            return
+        yield point
 
 
 class TestDistinct:
@@ -125,16 +134,18 @@ class TestDistinct:
             assert np.array_equal(one, other)
 
     def test_the_analysis_ends_in_motion_where_asked(self):
-        """At the first point at which the block is farther than half of its height from where it
-        stood: a tenth of that is the most it goes beyond."""
+        """Once the block is farther than half of its height from where it stood, at the first
+        point that is no rest: in motion, or where it is held back by a load against the load."""
         model = ledge(falling="stop")
         curve = ds.pushover(model, engine="distinct", keep_poses=True)
         assert curve.status == "finished" and '"small" has collapsed' in curve.reason
-        assert curve.points[-1].status == DYNAMIC
+        last = curve.points[-1]
+        assert last.status == DYNAMIC or last.load_multiplier < 0.0
         moved = np.linalg.norm(
             curve.poses[-1][2, :2] - curve.poses[curve.first_collapse.step][2, :2]
         )
-        assert 0.05 < moved < 0.05 + 1.5 * BETWEEN_POINTS * 0.1
+        assert moved > 0.05
+        assert all(p.status == STATIC and p.load_multiplier >= 0.0 for p in curve.points[:-1])
 
     @pytest.mark.slow
     def test_what_a_broken_bond_lets_fall_is_followed(self):

@@ -30,7 +30,7 @@ MOST_STEPS = 400
 CASES = Path(__file__).parents[1] / "cases"
 #: What a sentence on a multiplier above the bound names.
 CAUSES = (
-    "because before",
+    "what is left bears it",
     "because it is read off a motion",
     "because load is carried between",
     "because blocks have moved",

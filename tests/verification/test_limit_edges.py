@@ -218,7 +218,7 @@ def test_events_and_motion_are_causes():
         blocks=("plank",), motion=0.02,
     )  # fmt: skip
     told = low.warning(replace(curve, events=(event,)), model)
-    assert "because before the structure moves by itself, by 0.02 m" in told
+    assert "because the structure moves by itself, by 0.02 m" in told
 
 
 def leaning():

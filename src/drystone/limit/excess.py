@@ -66,7 +66,7 @@ def _cause(curve: CapacityCurve, model: Model, point: CurvePoint, bound: float) 
         and (event.kind in COLLAPSES or event.kind is EventKind.LOSS_OF_EQUILIBRIUM)
     ]
     if before:
-        return f"because before {before[0].what} ({before[0].place}): the load is what is left's"
+        return f"because {before[0].what} before it ({before[0].place}): what is left bears it"
     if curve.contacts is None:
         return (
             "because blocks have moved until then, or carry where they share no joint: contacts "

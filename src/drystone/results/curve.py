@@ -507,10 +507,12 @@ class CapacityCurve:
     def until(self, event: Event) -> CapacityCurve:
         """The curve up to the last point at rest before an event, as one that ends there.
 
-        The first point of the motion from there on is kept, where there is one: it shows how the
-        structure moves.
+        What shows how the structure moves from there on is kept: the points at rest by which an
+        engine follows it while the control point goes back, and the first point in motion.
         """
         n = event.step + 1
+        while n < len(self.points) and self._follows_back(event, self.points[n]):
+            n += 1
         n += n < len(self.points) and self.points[n].status == DYNAMIC
         return replace(
             self.first(n),
@@ -520,6 +522,12 @@ class CapacityCurve:
             reason=str(event),
             ended_by=event,
         )
+
+    @staticmethod
+    def _follows_back(event: Event, point: CurvePoint) -> bool:
+        """Whether a point is an equilibrium behind an event, on the way from it."""
+        behind = point.control_displacement < event.control_displacement
+        return behind and point.status == STATIC and not point.jumped
 
     def first(self, n: int) -> CapacityCurve:
         """The curve of its first ``n`` points, with what happened up to the last of them."""

@@ -3,8 +3,10 @@
 A structure *moves by itself* where it jumps.  There are three signs of a jump: dynamic points lie
 between two neighbouring static points; the second is marked as reached in a jump; or a block has
 moved so far in one step that it would have collapsed (steps are a fifth of the smallest block at
-most).  The structure first *loses its equilibrium* in the first jump in which a block moves by more
-than `SNAP` of its smallest extent, or collapses.
+most).  An engine may also follow a part that falls through equilibria, while the control
+displacement goes back.  Where these need a load against the load, the structure has moved by itself
+since the control displacement turned back.  The structure first *loses its equilibrium* in the
+first jump in which a block moves by more than `SNAP` of its smallest extent, or collapses.
 
 A block has collapsed if it moves by itself by more than `Analysis.event_share` of its smallest
 extent, even if it moves back within the jump.  It has *fallen* if it then lies lower by as much,
@@ -46,7 +48,10 @@ class EventLog:
         self._snap = np.minimum(SNAP * assembly.extents, self._limit)  # m
         self._up = assembly.up
         self._events: list[Event] = []
-        self._last: tuple[CurvePoint, Array] | None = None  # last point at rest and its pose
+        self._last: tuple[CurvePoint, Array] | None = None  # where it last rested, and the pose
+        self._monotone = model.history is None  # the control displacement that is asked for
+        self._turned: tuple[CurvePoint, Array] | None = None  # rest at the farthest since a jump
+        self._rests = False  # whether the last point is at rest
         self._pose: Array | None = None  # of the last point
         self._moving = False  # whether the structure has moved by itself since
         self._through_motion = False  # whether there was a dynamic point since
@@ -92,24 +97,40 @@ class EventLog:
         """
         if ties is not None:
             self._see_ties(point, ties)
-        at_rest = point.status == STATIC
+        self._rests = at_rest = point.status == STATIC
+        rests = at_rest and not self._falls(point)
+        if at_rest and not rests:
+            self._last = self._turned
         collapsed: list[int] = []
         self._departed[list(left)] = True
         if self._last is not None:
-            self._moving |= not at_rest or point.jumped or len(left) > 0
+            self._moving |= not rests or point.jumped or len(left) > 0
             if not self._moving:
                 self._moving = bool((self._way(pose) > self._limit).any())
             self._through_motion |= not at_rest
             if self._moving:
                 collapsed = self._move(pose)
         self._pose = pose
-        if at_rest:
-            if self._moving:
+        if rests:
+            jumped = self._moving
+            if jumped:
                 self._come_to_rest(contacts)
             self._last = (point, np.array(pose))
-            if self._watch_supports:
-                self._see_supports(point, contacts())
+            if jumped or point.control_displacement >= self._farthest:
+                self._turned = self._last
+        if at_rest and self._watch_supports:
+            self._see_supports(point, contacts())
         return collapsed
+
+    @property
+    def _farthest(self) -> float:
+        """Of the control displacement at rest since a jump [m]."""
+        return -np.inf if self._turned is None else self._turned[0].control_displacement
+
+    def _falls(self, point: CurvePoint) -> bool:
+        """Whether a point at rest is one of a part that falls, held back by its load."""
+        behind = point.control_displacement < self._farthest
+        return self._monotone and behind and point.load_multiplier < 0.0
 
     def end(self) -> tuple[Event, ...]:
         """The curve is over: all its events.  What still moves then is in motion."""
@@ -149,7 +170,7 @@ class EventLog:
             drop = (translations(start) - translations(self._pose)) @ self._up
             fallen = self._collapsed & ((drop > self._limit) | self._departed | hanging)
             displaced = self._collapsed & ~fallen
-            rest = Outcome.IN_MOTION if contacts is None else Outcome.AT_REST
+            rest = Outcome.AT_REST if self._rests else Outcome.IN_MOTION
             for kind, rows, outcome in (
                 (EventKind.BLOCK_FALLEN, fallen & self._departed, Outcome.LEFT),
                 (EventKind.BLOCK_FALLEN, fallen & ~self._departed & hanging, Outcome.HANGING),
