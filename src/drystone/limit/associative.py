@@ -26,7 +26,7 @@ from scipy.sparse import csc_array, hstack, vstack
 
 from drystone.common.arrays import Array
 from drystone.limit.cone_program import force_program
-from drystone.limit.cones import Regions, least_normal, shear_strength
+from drystone.limit.cones import Regions, least_normal, least_of_growth, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import WHOLE, from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
@@ -128,6 +128,7 @@ def slides_away(equilibrium: Equilibrium, direction: Array) -> bool:
     """
     assembly, points = equilibrium.assembly, equilibrium.points
     joined = slice(equilibrium.n_joined)  # ties are no hindrance to a load of any size
+    held = assembly.restrained[~assembly.fixed, : assembly.dimension].any(axis=0)
     side = np.where(assembly.fixed[points.block_a[joined]], 1.0, 0.0)
     side -= np.where(assembly.fixed[points.block_b[joined]], 1.0, 0.0)
     borne = np.flatnonzero(side)
@@ -137,6 +138,8 @@ def slides_away(equilibrium: Equilibrium, direction: Array) -> bool:
         motion = direction + share * upward
         opening, slip = away[:, 0] @ motion, np.linalg.norm(away[:, 1:] @ motion, axis=1)
         free = np.all(opening >= points.friction[borne] * slip)
+        if np.any(np.abs(motion[held]) > SLIGHT):  # rollers are
+            continue
         if free and direction @ motion > SLIGHT:
             return True
     return False
@@ -203,14 +206,14 @@ def _by_program(
     largest: float = np.inf,
     recession: bool = False,
 ) -> Answer:
-    nothing = np.zeros(equilibrium.n_contacts)
     program = force_program(
         equilibrium,
         column=column,
         right=right,
         slope=equilibrium.points.friction,
-        least=nothing if recession else least_normal(equilibrium),
+        least=least_of_growth(equilibrium) if recession else least_normal(equilibrium),
         largest=largest,
     )
+    nothing = np.zeros(equilibrium.n_contacts)
     program.limit_shear(nothing if recession else equilibrium.cohesion)
     return program.solve()

@@ -31,6 +31,16 @@ def least_normal(equilibrium: Equilibrium) -> Array:
     return -np.minimum(equilibrium.tension, tip)
 
 
+def least_of_growth(equilibrium: Equilibrium) -> Array:
+    """The same of forces that grow with the load beyond all strength, (n_contacts,): only rollers
+    pull then, and push."""
+    least, n = np.zeros(equilibrium.n_contacts), equilibrium.n_joined
+    first = np.arange(n + equilibrium.n_drawn, n + equilibrium.n_ties)
+    second = first + equilibrium.n_ties
+    least[first] = least[second] = -equilibrium.tension[first]
+    return least
+
+
 def shear_strength(equilibrium: Equilibrium, normal: Array) -> Array:
     """Largest tangential force [units of force] under the given normal forces, (n_contacts,)."""
     return equilibrium.cohesion + equilibrium.points.friction * normal
@@ -47,11 +57,12 @@ class Regions:
 
     @classmethod
     def of(cls, equilibrium: Equilibrium, *, recession: bool = False) -> Regions:
-        """The regions of all contacts; with ``recession`` without their strengths."""
+        """The regions of all contacts; with ``recession`` without their strengths but those of
+        rollers."""
         friction, dim = equilibrium.points.friction, equilibrium.points.dimension
         if recession:
             nothing = np.zeros_like(friction)
-            return cls.within(dim, friction, nothing, nothing)
+            return cls.within(dim, friction, nothing, least_of_growth(equilibrium))
         return cls.within(dim, friction, equilibrium.cohesion, least_normal(equilibrium))
 
     @classmethod
