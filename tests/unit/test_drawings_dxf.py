@@ -59,7 +59,7 @@ class TestPlane:
         assert [polygon.signed_area(b.vertices) for b in made.blocks] == [1.0, 1.0, 1.0]
         assert made.control == (0.5, 2.0)
         notes = "\n".join(made.notes)
-        assert '1 left out: LWPOLYLINE on layer "axes"' in notes
+        assert '1 left out: open LWPOLYLINE on layer "axes"' in notes
         assert "TEXT" not in notes
         assert "ran clockwise" in notes
 

@@ -244,6 +244,15 @@ class TestConvert:
         assert "dead_load" not in text
         assert any("[dead_load] left out" in note for note in told["notes"])
 
+    def test_a_model_of_other_dimensions_is_no_pattern(self, folder, model):
+        assert run(model, folder / "again.obj")[0] == 0
+        plane = folder / "plane.toml"
+        plane.write_text(HEAD.replace("dimension = 3", "dimension = 2"))
+        given = ("--unit", "m", "--up", "z", "--like", plane, "--material", "stone")
+        code, told, _ = run(folder / "again.obj", folder / "back.toml", *given)
+        assert code == 2 and not (folder / "back.toml").exists()
+        assert "has 2 dimensions, and the drawing 3" in told["problems"][0]
+
     def test_peaks_of_drawings_are_those_of_the_model(self, folder, model):
         first = read_model(model)
         exact = peak(first)

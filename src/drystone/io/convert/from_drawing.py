@@ -80,6 +80,13 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     # Weights are for whoever reads the model file; here only names matter.
     made = imported(settings, lambda layer: (_material(layer, names, settings.material), 1.0))
     dimension = made.blocks[0].dimension
+    if (of_like := known.pop("dimension", dimension)) != dimension:
+        raise ModelError(
+            [
+                f"{like}: has {of_like} dimensions, and the drawing {dimension}: name a model file "
+                "of as many dimensions"
+            ]
+        )
     if dimension == 3:
         known.pop("thickness", None)
     data = {
@@ -115,7 +122,7 @@ def _of_another(like: Path) -> tuple[dict[str, Any], list[str]]:
     for key, table in given.items():
         if key in LEFT or (key in TAKEN and files_named({key: table})):
             left.append(f"[{key}]")
-        elif key in TAKEN:
+        elif key in TAKEN or key == "dimension":
             known[key] = table
     note = f"{like}: {', '.join(left)} left out: blocks or files of that model are named there"
     return known, [note] if left else []

@@ -83,7 +83,7 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
             check_counts(n_vertices, 0)
             outlines.append(_marked(entity, layer, len(outlines) + 1, outline))
         elif kind not in _SILENT:
-            what = f"{kind} on layer {quoted(layer)}"
+            what = f"{'open ' * _is_open(entity, kind)}{kind} on layer {quoted(layer)}"
             others[what] = others.get(what, 0) + 1
     for layer, faces in loose.items():
         meshes += _components(layer, faces)
@@ -238,6 +238,13 @@ def _outline(entity: Any, kind: str) -> np.ndarray | None:
     if not np.isfinite(vertices).all():
         raise ModelError(["every coordinate must be a finite number: the file is torn"])
     return vertices if len(vertices) > 2 else None
+
+
+def _is_open(entity: Any, kind: str) -> bool:
+    """Whether a polyline, which may be meant as an outline, lacks its last edge."""
+    if kind == "LWPOLYLINE":
+        return not entity.closed
+    return kind == "POLYLINE" and entity.is_2d_polyline and not entity.is_closed
 
 
 def _chords(
