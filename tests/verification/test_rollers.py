@@ -138,3 +138,39 @@ def test_a_roller_beside_a_joint_bears_what_it_bore(stiffness, space):
     assert curve.status == "finished"
     assert len(curve.points) > 20
     assert max(abs(p.load_multiplier) for p in curve.points) < 1e-4
+
+
+def held_block(held, width=0.4, height=1.2):
+    """A block on the ground under a load along x."""
+    return ds.make_model(
+        [
+            box("ground", -2.0, -0.5, 4.0, 0.5, support=True),
+            box("b", 0.0, 0.0, width, height, held=held),
+        ],
+        joint=ds.JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9),
+        thickness=THICKNESS,
+        load_direction=[1.0, 0.0],
+    )
+
+
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize("held", [("x",), ("x", "turn")])
+def test_a_load_against_rollers_locks(held, space):
+    """It was pushed through them, by 2 cm under 3e13 times its weight, and that was "finished"."""
+    model = ds.extruded(held_block(held)) if space else held_block(held)
+    curve = ds.pushover(model, max_displacement=0.02)
+    assert curve.status == "stopped"
+    assert "the load locks the structure" in curve.reason
+    assert ds.collapse_load(model, flow="associative").status == "locked"
+
+
+@pytest.mark.parametrize("engine", ["equilibrium", "nscd"])
+def test_a_block_rocks_between_rollers_across_the_load(engine):
+    """lambda = b / h; the mass that holds it is no measure of what the control point resists."""
+    solid = ds.extruded(held_block(()))
+    blocks = [replace(b, held=("y",) if b.id == "b" else ()) for b in solid.assembly.blocks]
+    model = ds.make_model(blocks, joint=solid.assembly.joint, load_direction=[1.0, 0.0, 0.0])
+    curve = ds.pushover(model, engine=engine)
+    assert curve.status == "finished"
+    assert curve.peak.load_multiplier == pytest.approx(1.0 / 3.0, rel=5e-3)
+    assert curve.ultimate_displacement == pytest.approx(0.4, rel=0.1)

@@ -374,10 +374,10 @@ def _limits(beside: Beside) -> str:
 
     found = []
     if beside.associative is not None:
-        bound = beside.upper_bound
-        wide = bound is not None and f"{bound:.4f}" != f"{beside.associative:.4f}"
+        lowest, bound = range_text((beside.associative,) * 2, 4), beside.upper_bound
+        wide = bound is not None and f"{bound:.4f}" != lowest
         more = f" (across corners up to {bound:.4f})" if wide else ""
-        found.append(f"{beside.associative:.4f} associative{more}")
+        found.append(f"{lowest} associative{more}")
     if beside.collapse_range is not None:
         found.append(f"{range_text(beside.collapse_range, 4)} non-associative")
     return ", ".join(found + [beside.note] * bool(beside.note))

@@ -160,6 +160,6 @@ def _fastest(model: Model) -> ControlPoint | None:
 
 
 def range_text(collapse_range: tuple[float, float], digits: int) -> str:
-    """One number, or two where they differ in print."""
-    low, high = (f"{value:.{digits}f}" for value in collapse_range)
+    """One number, or two where they differ in print; none is minus zero."""
+    low, high = (f"{round(value, digits) + 0.0:.{digits}f}" for value in collapse_range)
     return low if low == high else f"{low} to {high}"

@@ -51,21 +51,24 @@ def unbalance(forces, multiplier, x, inertia_factor):
 def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
     """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
 
-    The spring, as stiff as the block that it restrains, makes the matrix regular at the peak.
+    The spring, as stiff as the joints of the block that it restrains, makes the matrix regular at
+    the peak.  Inertia does not count: that of rollers is beyond all stiffness.
     Returns its stiffness; ``body`` is -1 where there is none.
     """
     n, n_dof = mass.shape
+    largest = 0.0
+    if body >= 0:
+        for i in range(n_dof):
+            for j in range(n_dof):
+                largest = max(largest, abs(diagonal[body, i, j]))
     for i in range(n):
         for d in range(n_dof):
             diagonal[i, d, d] += mass[i, d] * (inertia_factor + damping[i])
     if body < 0:
         return 0.0
-    largest = 0.0
     square = 0.0
     for i in range(n_dof):
         square += axis[body, i] ** 2
-        for j in range(n_dof):
-            largest = max(largest, abs(diagonal[body, i, j]))
     spring = largest / square
     for i in range(n_dof):
         for j in range(n_dof):

@@ -40,6 +40,14 @@ _WORDS = {
     "safety_index_against": "safety index against the load [-]",
     "governing_safety_index": "governing safety index [-]",
 }
+#: Units of the columns that begin so, and end with a limit state where there is one.
+_OF_STATES = {
+    "ground_acceleration_capacity": "m/s²",
+    "activation_acceleration": "m/s²",
+    "displacement_demand": "m",
+    "limit_displacement": "m",
+    "safety_index": "-",
+}
 
 
 def draw_all(asked: Study, folder: Path, found: Mapping[str, Any]) -> list[str]:
@@ -344,7 +352,13 @@ def target_map(asked: Study, grid: tuple[Array, Array, Array], folder: Path) -> 
 
 def _words(column: str) -> str:
     """What a column is, with its unit; the name of one that others have named."""
-    return _WORDS.get(column) or canvas.literal(column)
+    if column in _WORDS:
+        return _WORDS[column]
+    for name, unit in _OF_STATES.items():
+        if column.startswith(name):
+            words, state = name.replace("_", " "), column.removeprefix(name).strip("_")
+            return canvas.literal(f"{words}, {state} [{unit}]" if state else f"{words} [{unit}]")
+    return canvas.literal(column)
 
 
 def _title(text: str) -> str:

@@ -269,9 +269,15 @@ def spectra_of(
     else:
         spectra = dict.fromkeys(states, given)
     if not spectra:
+        mend = "say what the ground does in [site]"
+        if isinstance(given, Mapping) and given:
+            mend = (
+                f"[site] has those of {', '.join(given)}: without such tables its spectrum is for "
+                "all limit states"
+            )
         raise AssessmentError(
             f'method "{settings.method}" verifies {", ".join(states)}, and none of them has a '
-            "spectrum: say what the ground does in [site]"
+            f"spectrum: {mend}"
         )
     shared = len(spectra) > 1 and len({id(s) for s in spectra.values()}) == 1
     if settings.limit_states is not None:

@@ -67,5 +67,8 @@ def _shapes(model: Model) -> tuple[list[Shape], list[str]]:
             )
     notes = []
     if split:
-        notes.append(f"parts of blocks are drawn as blocks of their own: {listed(split)}")
+        notes.append(
+            f"parts of blocks are drawn as blocks of their own: {listed(split)}; read again, they "
+            "have joints between them, and the curve is another"
+        )
     return shapes, notes
