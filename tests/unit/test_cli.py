@@ -306,6 +306,26 @@ def test_interruption_before_the_first_point_leaves_nothing(here, analysis, read
         assert list(here.iterdir()) == []
 
 
+@pytest.mark.parametrize("writes", [True, False])
+def test_interrupted_directions_say_whether_any_is_kept(here, reads, monkeypatch, writes):
+    """Also where a run before has left its table."""
+    table = here / "wall-results" / "directions.csv"
+    table.parent.mkdir()
+    table.write_text("of before")
+
+    def traces(model, number, folder, asked, **options):
+        if writes:
+            (folder / table.name).unlink()
+            (folder / table.name).write_text("of now")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drystone.cli.run.run_directions", traces)
+    result = drystone("run", "wall.toml", "--directions", "both")
+    assert result.exit_code == 130
+    assert ("what was reached is kept" in result.stderr) == writes
+    assert ("nothing was written" in result.stderr) != writes
+
+
 def test_control_c_leaves_a_valid_folder(tmp_path):
     """In a process of its own, by the signal that the keys send."""
     code = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -146,11 +147,11 @@ def run(
         raise typer.BadParameter("it goes with --resume", param_hint="--extend")
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
-    begun = False
+    begun, before = False, written_at(folder / TABLE)
 
     def kept() -> bool:
-        """Whether something is there: of directions, what they have in common."""
-        return begun or (number is not None and (folder / TABLE).is_file())
+        """Whether this run has written something: of directions, what they have in common."""
+        return begun or (number is not None and written_at(folder / TABLE) != before)
 
     with outcome(as_json=as_json, begun=kept), _beginning(context, directions) as limits:
         with importing():
@@ -197,6 +198,13 @@ def run(
                     begun = results.begun
         code = told(curve, model, limits.found(), results, as_json=as_json)
     raise typer.Exit(code)
+
+
+def written_at(file: Path) -> int | None:
+    """When a file was written [ns]; None where there is none."""
+    with suppress(OSError):
+        return file.stat().st_mtime_ns
+    return None
 
 
 def _beginning(context: typer.Context, directions: str | None) -> Limits:
