@@ -507,12 +507,10 @@ class CapacityCurve:
     def until(self, event: Event) -> CapacityCurve:
         """The curve up to the last point at rest before an event, as one that ends there.
 
-        What shows how the structure moves from there on is kept: the points at rest by which an
-        engine follows it while the control point goes back, and the first point in motion.
+        What shows how the structure moves from there on is kept: the first point in motion, or the
+        equilibria by which an engine follows a part that falls, until it would stand no more.
         """
-        n = event.step + 1
-        while n < len(self.points) and self._follows_back(event, self.points[n]):
-            n += 1
+        n = self._fallen(event)
         n += n < len(self.points) and self.points[n].status == DYNAMIC
         return replace(
             self.first(n),
@@ -523,11 +521,16 @@ class CapacityCurve:
             ended_by=event,
         )
 
-    @staticmethod
-    def _follows_back(event: Event, point: CurvePoint) -> bool:
-        """Whether a point is an equilibrium behind an event, on the way from it."""
-        behind = point.control_displacement < event.control_displacement
-        return behind and point.status == STATIC and not point.jumped
+    def _fallen(self, event: Event) -> int:
+        """How many points there are up to an event; where it is of a part that is followed through
+        equilibria, up to the first that needs a load against the load."""
+        for n, point in enumerate(self.points[event.step + 1 :], event.step + 1):
+            behind = point.control_displacement < event.control_displacement
+            if not behind or point.status != STATIC or point.jumped:
+                break
+            if point.load_multiplier < 0.0:
+                return n + 1
+        return event.step + 1
 
     def first(self, n: int) -> CapacityCurve:
         """The curve of its first ``n`` points, with what happened up to the last of them."""
