@@ -71,6 +71,18 @@ def rope(block, x, y):
     )
 
 
+def of_boxes(boxes, direction, control, *, friction, stiffness):
+    """Boxes by their names and corners; that of the name "base" is a support."""
+    return make_model(
+        [box(name, *corners, support=name == "base") for name, corners in boxes.items()],
+        joint=JointLaw(
+            friction_coefficient=friction, normal_stiffness=stiffness, shear_stiffness=stiffness
+        ),
+        load_direction=direction,
+        control_block=control,
+    )
+
+
 def traced(model, engine="equilibrium", **options):
     return ds.pushover(model, engine=engine, max_steps=4000, keep_poses=True, **options)
 
@@ -103,12 +115,7 @@ def test_a_small_stone_that_topples_is_seen(engine):
         "body": ((0.0, 0.0, 0.0), (2.0, 0.6, 1.2)),
         "pinnacle": ((1.7, 0.2, 1.2), (1.9, 0.4, 2.0)),
     }
-    model = make_model(
-        [box(name, *corners, support=name == "base") for name, corners in boxes.items()],
-        joint=JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9),
-        load_direction=(0.0, 1.0, 0.0),
-        control_block="body",
-    )
+    model = of_boxes(boxes, (0.0, 1.0, 0.0), "body", friction=0.6, stiffness=1e9)
     curve = traced(model, engine, falling="stop", max_displacement=0.001)
     assert curve.first_collapse.blocks == ("pinnacle",)
     # Soft joints take 4e-4 of it; `nscd` knows its static multiplier to 5e-4.
@@ -338,12 +345,7 @@ def test_what_an_engine_follows_as_it_falls_has_fallen(engine):
         "foot": ((0.0, 0.0, 0.0), (0.4, 0.4, 1.0)),
         "pier": ((0.0, 0.0, 1.0), (0.4, 0.4, 2.0)),
     }
-    model = make_model(
-        [box(name, *corners, support=name == "base") for name, corners in boxes.items()],
-        joint=JointLaw(friction_coefficient=0.7, normal_stiffness=1e10, shear_stiffness=1e10),
-        load_direction=(1.0, 0.0, 0.0),
-        control_block="pier",
-    )
+    model = of_boxes(boxes, (1.0, 0.0, 0.0), "pier", friction=0.7, stiffness=1e10)
     curve = ds.pushover(model, engine=engine)
     assert curve.first_collapse.blocks == ("slender",)
     assert curve.capacity.load_multiplier == pytest.approx(0.2 / 1.8, rel=0.01)

@@ -232,7 +232,7 @@ def test_uneven_units_are_of_courses():
 
 
 def test_peaks_that_no_curve_passes_are_told(study, tmp_path):
-    """Of walls that are pushed by 0.1 mm, and so of one that falls without any load."""
+    """Of walls that are pushed by 0.1 mm."""
     file = study()
     text = (tmp_path / "wall.toml").read_text()
     (tmp_path / "wall.toml").write_text(text.replace("= 0.02\n", "= 1e-4\n"))

@@ -623,7 +623,6 @@ class _Run:
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
             load_force=self.model.load_force,
-            control_point=self.model.control_point,
             model=self.model,
             blocks_left=tuple(self.left),
             events=self.log.end(),

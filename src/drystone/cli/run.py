@@ -147,7 +147,7 @@ def run(
         raise typer.BadParameter("it goes with --resume", param_hint="--extend")
     folder = out or Path(f"{model_file.stem}-results")
     number = None if directions is None else number_of(directions)
-    begun, before = False, written_at(folder / TABLE)
+    begun, before = False, None if number is None else written_at(folder / TABLE)
 
     def kept() -> bool:
         """Whether this run has written something: of directions, what they have in common."""

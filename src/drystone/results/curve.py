@@ -215,6 +215,13 @@ def _stays(before: CurvePoint, point: CurvePoint) -> bool:
     return abs(point.control_displacement - before.control_displacement) <= rounding
 
 
+def falls(point: CurvePoint, farthest: float) -> bool:
+    """Whether a point at rest is one of a part that falls: a load against the load holds it, and
+    the control point has turned back from its ``farthest`` displacement [m]."""
+    behind = point.control_displacement < farthest
+    return behind and point.status == STATIC and point.load_multiplier < 0.0
+
+
 #: What of a model makes its curve, beside how it is traced.
 TRACED = ("assembly", "load", "dead_loads", "ties", "settlement", "history")
 
@@ -245,8 +252,12 @@ class CapacityCurve:
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
     motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
-    control_point: ControlPoint | None = None  # None of curves that were read: that of their model
     model: Model | None = None  # what was traced; None of curves that were read
+
+    @property
+    def control_point(self) -> ControlPoint | None:
+        """That of the model that was traced; None of curves that were read."""
+        return None if self.model is None else self.model.control_point
 
     def traced_of(self, model: Model) -> Model:
         """The model with the control point that the curve was traced with."""
@@ -528,7 +539,7 @@ class CapacityCurve:
             behind = point.control_displacement < event.control_displacement
             if not behind or point.status != STATIC or point.jumped:
                 break
-            if point.load_multiplier < 0.0:
+            if falls(point, event.control_displacement):
                 return n + 1
         return event.step + 1
 

@@ -27,7 +27,7 @@ from drystone.geometry.motion import translations
 from drystone.model.assembly import Assembly
 from drystone.model.model import Model
 from drystone.model.ties import BROKEN, YIELDING, Tie, TieState, names_of
-from drystone.results.curve import STATIC, BlockLeft, CurvePoint, TieRecord
+from drystone.results.curve import STATIC, BlockLeft, CurvePoint, TieRecord, falls
 from drystone.results.events import Event, EventKind, Outcome
 
 #: Share of a block's smallest extent up to which a jump is no event.  The steps of
@@ -98,7 +98,7 @@ class EventLog:
         if ties is not None:
             self._see_ties(point, ties)
         self._rests = at_rest = point.status == STATIC
-        rests = at_rest and not self._falls(point)
+        rests = at_rest and not (self._monotone and falls(point, self._farthest))
         if at_rest and not rests:
             self._last = self._turned
         collapsed: list[int] = []
@@ -126,11 +126,6 @@ class EventLog:
     def _farthest(self) -> float:
         """Of the control displacement at rest since a jump [m]."""
         return -np.inf if self._turned is None else self._turned[0].control_displacement
-
-    def _falls(self, point: CurvePoint) -> bool:
-        """Whether a point at rest is one of a part that falls, held back by its load."""
-        behind = point.control_displacement < self._farthest
-        return self._monotone and behind and point.load_multiplier < 0.0
 
     def end(self) -> tuple[Event, ...]:
         """The curve is over: all its events.  What still moves then is in motion."""

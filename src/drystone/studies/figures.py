@@ -356,8 +356,9 @@ def _words(column: str) -> str:
         return _WORDS[column]
     for name, unit in _OF_STATES.items():
         if column.startswith(name):
-            words, state = name.replace("_", " "), column.removeprefix(name).strip("_")
-            return canvas.literal(f"{words}, {state} [{unit}]" if state else f"{words} [{unit}]")
+            parts = (name, column.removeprefix(name))
+            words = ", ".join(filter(None, (part.replace("_", " ").strip() for part in parts)))
+            return canvas.literal(f"{words} [{unit}]")
     return canvas.literal(column)
 
 

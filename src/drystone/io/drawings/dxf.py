@@ -213,18 +213,16 @@ def _outline(entity: Any, kind: str) -> np.ndarray | None:
     """Vertices (n, 2) of a closed polyline, arcs in chords; None of anything else."""
     if kind == "LWPOLYLINE":
         rows = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
-        closed = bool(entity.closed)
     elif kind == "POLYLINE" and entity.is_2d_polyline:
         rows = [(*tuple(v.dxf.location)[:2], v.dxf.get("bulge", 0.0)) for v in entity.vertices]
-        closed = bool(entity.is_closed)
     elif kind == "POLYLINE" and entity.is_3d_polyline:
         places = [tuple(v.dxf.location) for v in entity.vertices]
         if len({z for _, _, z in places}) > 1:
             return None
         rows = [(x, y, 0.0) for x, y, _ in places]
-        closed = bool(entity.is_closed)
     else:
         return None
+    closed = not _is_open(entity, kind)
     if len(rows) > 3 and rows[0][:2] == rows[-1][:2]:
         rows, closed = rows[:-1], True
     if not closed or len(rows) < 2:
@@ -244,7 +242,8 @@ def _is_open(entity: Any, kind: str) -> bool:
     """Whether a polyline, which may be meant as an outline, lacks its last edge."""
     if kind == "LWPOLYLINE":
         return not entity.closed
-    return kind == "POLYLINE" and entity.is_2d_polyline and not entity.is_closed
+    line = kind == "POLYLINE" and (entity.is_2d_polyline or entity.is_3d_polyline)
+    return line and not entity.is_closed
 
 
 def _chords(

@@ -25,6 +25,7 @@ from drystone.geometry.motion import about_the_world, across, rotations, transla
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import NO_MASSES, Directed, Masses
 from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.tie_kernels import FORCE, add_forces
 from drystone.model.ties import Bars
 
 if TYPE_CHECKING:
@@ -264,8 +265,6 @@ def _stiffness_at_rest(assembly: Assembly, masses: Masses) -> tuple[csc_array, I
 def _bar_rows(assembly: Assembly, bars: Bars) -> Array:
     """How much shorter ties become as their two blocks move, as the normal rows of contacts with
     none along them, (n_ties, dim, 2 n_dof): a tie that pulls by one does such forces."""
-    from drystone.model.tie_kernels import FORCE, add_forces
-
     n_dof = assembly.n_dof
     rows = np.zeros((bars.n_ties, assembly.dimension, 2 * n_dof))
     now = bars.at_rest(assembly).now

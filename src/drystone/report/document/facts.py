@@ -164,17 +164,19 @@ def of_analysis(
 def _of_limits(summary: Mapping[str, Any], words: Words) -> list[Row]:
     """Multipliers of limit analysis, with the ranges that contact points and paths leave."""
     low, high = summary.get("collapse_range") or (summary.get("non_associative_multiplier"), None)
-    pairs = (
-        ("associative", summary.get("associative_multiplier")),
-        ("across_corners", summary.get("upper_bound")),
-        ("non_associative", low),
-        ("non_associative_most", high),
+    ranges = (
+        (
+            ("associative", summary.get("associative_multiplier")),
+            ("across_corners", summary.get("upper_bound")),
+        ),
+        (("non_associative", low), ("non_associative_most", high)),
     )
     rows: list[Row] = []
-    for k, (key, value) in enumerate(pairs):
-        # The upper end of a range only where it differs in print.
-        if value is not None and (k % 2 == 0 or number(value) != number(pairs[k - 1][1])):
-            rows.append((words[key], number(value)))
+    for (key, least), (key_of_most, most) in ranges:
+        if least is not None:
+            rows.append((words[key], number(least)))
+        if most is not None and number(most) != number(least):
+            rows.append((words[key_of_most], number(most)))
     return rows
 
 
