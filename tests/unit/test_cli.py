@@ -18,11 +18,13 @@ import h5py
 import numpy as np
 import pytest
 import synthetic
+import typer
 from typer.testing import CliRunner
 
 import drystone as drystone_package
 from drystone.analysis.benchmark import benchmark
 from drystone.cli import app
+from drystone.cli.outcome import outcome
 from drystone.common.progress import progress_for
 from drystone.common.progress.forecast import Forecast
 from drystone.common.progress.points import Bar, Lines, clock_time
@@ -411,6 +413,28 @@ def test_control_c_while_the_program_is_loaded(tmp_path, milliseconds):
     assert ended.returncode in (-signal.SIGINT, 130)
 
 
+def test_control_c_while_a_module_is_loaded_waits_for_it(tmp_path, monkeypatch, capsys):
+    """A module may swallow an interrupt, make another error of it, or print a traceback."""
+    (tmp_path / "swallows.py").write_text(
+        "import os, signal, time\n"
+        "try:\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(0.1)\n"
+        "    complete = True\n"
+        "except KeyboardInterrupt:\n"
+        "    raise ImportError('this module cannot be loaded')\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    reached = []
+    with pytest.raises(typer.Exit) as ended, outcome(as_json=False):
+        import swallows
+
+        reached.append(swallows.complete)
+        time.sleep(10.0)
+    assert (reached, ended.value.exit_code) == ([True], 130)
+    assert capsys.readouterr().err == "drystone: interrupted: nothing was written\n"
+
+
 ODD_TITLES = ["$a_$", "costs $5 and $x_2$", "a\0b \x1b[31mred\x07", "\u5899 \\$", "x" * 5000]
 
 
@@ -675,6 +699,7 @@ def test_help_loads_nothing_that_only_an_analysis_needs():
     code = f"""
 import sys
 from drystone.cli import app
+from drystone.cli.outcome import outcome
 try:
     app(['--help'])
 except SystemExit:

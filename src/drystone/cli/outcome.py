@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import _thread
 import json
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any, NoReturn
 
 import typer
@@ -17,6 +20,11 @@ DONE, WRONG, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
 
 #: Sentences shown of a long list; JSON has them all.
 MOST_SENTENCES = 20
+
+#: Seconds after which a signal that came while a module was loaded is looked at again.
+LOADED_EVERY = 1e-3
+
+_IMPORTING = "<frozen importlib._bootstrap>"  # the file of the frames that load a module
 
 
 @contextmanager
@@ -31,9 +39,8 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
         Says whether results were written already: an error is then one of the analysis, not of
         the model.
     """
-    came: list[int] = []
     try:
-        with signals_as_interrupts(came):
+        with signals_as_interrupts():
             yield
     except KeyboardInterrupt:
         interrupted(begun(), as_json=as_json)
@@ -41,8 +48,6 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
         raise  # the reader of standard output has seen enough
     except Exception as error:
         problems = sentences(error)
-        if problems is None and came:  # modules that are being loaded make another error of it
-            interrupted(begun(), as_json=as_json)
         if problems is None:
             raise
         fail(UNFINISHED if begun() else WRONG, problems, as_json=as_json)
@@ -53,21 +58,33 @@ def outcome(*, as_json: bool, begun: Callable[[], bool] = lambda: False) -> Iter
 
 
 @contextmanager
-def signals_as_interrupts(came: list[int]) -> Iterator[None]:
+def signals_as_interrupts() -> Iterator[None]:
     """Ctrl-C, and the first SIGTERM, raise `KeyboardInterrupt`: what was reached is kept.
 
-    The numbers of the signals that ``came`` are added to it.
+    A signal waits until the module that is being loaded is complete: modules in C swallow an
+    interrupt, make another error of it, or print a traceback.
     """
+    waiting: set[signal.Signals] = set()
 
-    def interrupt(number: int, frame: object) -> None:
-        came.append(number)
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if _imports(frame) > imports:
+            if number not in waiting:
+                waiting.add(signal.Signals(number))
+                _thread.start_new_thread(again, (signal.Signals(number),))
+            return
         if number == signal.SIGTERM:
             signal.signal(number, signal.SIG_IGN)  # the results are being written
         raise KeyboardInterrupt
 
+    def again(number: signal.Signals) -> None:
+        time.sleep(LOADED_EVERY)
+        waiting.discard(number)
+        _thread.interrupt_main(number)
+
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are handled by the main thread alone
         return
+    imports = _imports(sys._getframe())  # a module may itself run a command
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     if before[signal.SIGINT] not in (signal.SIG_DFL, signal.default_int_handler):
         del before[signal.SIGINT]  # ignored, as in the background, or taken care of
@@ -78,6 +95,15 @@ def signals_as_interrupts(came: list[int]) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _imports(frame: FrameType | None) -> int:
+    """Frames of Python's own importing around one."""
+    number = 0
+    while frame is not None:
+        number += frame.f_code.co_filename == _IMPORTING
+        frame = frame.f_back
+    return number
 
 
 def sentences(error: Exception) -> list[str] | None:
