@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,8 @@ from drystone.limit import limits_beside
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
+from drystone.model.loading.forces import ForcesPattern
+from drystone.model.loading.targets import PointForce
 from drystone.model.model import Analysis
 from drystone.results.curve import STATIC, BlockLeft
 from structures import structure
@@ -217,6 +221,18 @@ def test_a_load_that_locks_the_structure_is_said_so(engine, strategy):
     assert curve.status == "stopped"
     assert curve.reason == "the load locks the structure: no multiple of it brings it down"
     assert curve.load_multiplier.max() <= 5.0
+
+
+@pytest.mark.parametrize("unit", [1e-2, 1e5])
+def test_a_load_locks_whatever_its_unit(unit):
+    """Of forces five times as large as the block's weight on, not of multipliers."""
+    model = against_a_support(engine="equilibrium", strategy="displacement")
+    weight = 0.4 * 0.4 * UNIT_WEIGHT
+    push = PointForce(block="pushed", force=np.array([unit, 0.0]))
+    curve = pushover(replace(model, load=ForcesPattern(entries=(push,))), increment=0.1)
+    assert "the load locks the structure" in curve.reason
+    assert curve.load_multiplier.max() * unit <= 5.0 * weight
+    assert curve.load_multiplier.max() * unit >= 0.5 * weight
 
 
 @STRATEGIES

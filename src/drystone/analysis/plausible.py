@@ -11,11 +11,13 @@ from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 from drystone.engines.frame import Frame
+from drystone.model.loading.acting import Acting
 from drystone.model.model import Model
 
-#: Multiplier from which on it is asked whether the load locks the structure.  Friction up to 1 and
-#: blocks up to four times as wide as high carry less; a linear program tells of the rest.
-PLAUSIBLE_MULTIPLIER = 5.0
+#: Load over the weight of the blocks it acts on from which on it is asked whether it locks the
+#: structure.  Friction up to 1 and blocks up to four times as wide as high carry less; a linear
+#: program tells of the rest.
+PLAUSIBLE_LOAD = 5.0
 
 LOCKED = "the load locks the structure: no multiple of it brings it down"
 
@@ -27,7 +29,8 @@ class Plausibility:
         self.model = model
         self.size = Frame.of(model.assembly).size
         self.deepest = model.analysis.max_penetration * self.size  # m
-        self.asked = False  # whether the load locks the structure
+        self._plausible = _plausible_multiplier(model)
+        self._asked = False  # whether the load locks the structure
 
     def falls_through(
         self, report: StepReport, contacts: Callable[[], ContactForces]
@@ -67,8 +70,8 @@ class Plausibility:
         contacts
             Gives the contact points there; asked where a sentence needs them.
         """
-        if abs(multiplier) > PLAUSIBLE_MULTIPLIER and not self.asked:
-            self.asked = True
+        if abs(multiplier) > self._plausible and not self._asked:
+            self._asked = True
             from drystone.limit import is_locked  # takes long to import
 
             if is_locked(self.model):
@@ -85,6 +88,14 @@ class Plausibility:
             f"more than {100.0 * self.model.analysis.max_penetration:.2g} %: is something in the "
             "structure's way, or normal_stiffness too low? ([analysis] max_penetration)"
         )
+
+
+def _plausible_multiplier(model: Model) -> float:
+    """Multiplier at which the load is `PLAUSIBLE_LOAD`."""
+    acting = Acting.of(model.assembly, model.load, model.dead_loads, model.ties)
+    loaded = acting.pattern.wrenches(model.assembly).any(axis=1)
+    weight = model.assembly.weight[loaded].sum()
+    return PLAUSIBLE_LOAD * float(weight) / acting.total
 
 
 def _deepest(contacts: ContactForces) -> tuple[int, int]:
