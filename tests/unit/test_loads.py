@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
+import solids
 from drystone.analysis.directions import around, towards
 from drystone.cli import app
 from drystone.engines.base import EngineError
@@ -330,6 +331,34 @@ class TestDirections:
         found = ds.polar(model, [0.0, 90.0], max_steps=8, processes=2)
         assert found.curves[1].load_multiplier == pytest.approx(one.load_multiplier, rel=1e-12)
         assert found.peaks.argmin() == found.weakest
+        assert found.plot().name == "rectilinear"  # two directions: their curves
+
+    def test_around_a_structure_what_counts_is_the_capacity(self, tmp_path):
+        """A parapet, 0.1 x 0.8 m, overturns at 1/8 across; the wall under it bears 0.6 then."""
+        blocks = [
+            solids.box("ground", (-2.0, -2.0, -1.0), (4.0, 4.0, 0.0), support=True),
+            solids.box("wall", (0.0, 0.0, 0.0), (1.0, 0.6, 1.0)),
+            solids.box("parapet", (0.1, 0.25, 1.0), (0.9, 0.35, 1.8)),
+        ]
+        joint = ds.JointLaw(friction_coefficient=0.9, normal_stiffness=1e10, shear_stiffness=1e10)
+        path = tmp_path / "model.toml"
+        ds.write_model(solids.model_of(blocks, joint, push=(1.0, 0.0, 0.0), control="wall"), path)
+        out = tmp_path / "out"
+        arguments = ["run", str(path), "--directions", "4", "--engine", "equilibrium"]
+        result = CliRunner().invoke(app, [*arguments, "--out", str(out)])
+        assert result.exit_code == 0, result.output
+        summary = json.loads((out / "summary.json").read_text())
+        assert summary["least_capacity_multiplier"] == pytest.approx(0.125, rel=1e-3)
+        assert summary["least_peak_multiplier"] == pytest.approx(0.6, rel=1e-3)
+        assert summary["least_capacity_at"] in (90.0, 270.0)
+        assert "capacity_multiplier" in (out / "directions.csv").read_text().splitlines()[0]
+        assert "before a part collapses, peak 0.5999 of what is left" in result.output
+        assert "least capacity         0.1249" in result.output
+        across = str(out / "direction-090")
+        picture = ["--out", str(tmp_path / "both.png")]
+        compared = CliRunner().invoke(app, ["compare", across, *picture])
+        assert "0.1249" in compared.output
+        assert "of what is left" in compared.output
 
     def test_run_in_both_senses(self, tmp_path):
         read(tmp_path, more="[analysis]\nmax_steps = 4\n")

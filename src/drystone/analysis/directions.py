@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from drystone.common.workers import in_processes
 from drystone.engines.base import EngineError
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Most directions: every degree.
 MOST = 360
@@ -36,9 +39,27 @@ class Polar:
         )
 
     @property
+    def capacities(self) -> Array:
+        """Highest multiplier of each curve before a part of the structure collapses, (n,); nan
+        where there is none."""
+        return np.array(
+            [
+                c.capacity.load_multiplier if c is not None and c.points else np.nan
+                for c in self.curves
+            ]
+        )
+
+    @property
     def weakest(self) -> int:
-        """Row of the direction with the lowest peak."""
-        return int(np.nanargmin(self.peaks))
+        """Row of the direction with the lowest of the `capacities`."""
+        return int(np.nanargmin(self.capacities))
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the `capacities` on polar axes, those of a new figure by default; of two directions
+        the curves on plain ones."""
+        from drystone.report.plots import plot_polar
+
+        return plot_polar(self, ax)
 
 
 def polar(

@@ -106,6 +106,8 @@ def _row(name: str, found: Results) -> dict[str, Any]:
         "peak_multiplier": curve.peak.load_multiplier,
         "peak_displacement": curve.peak.control_displacement,
         "peak_passed": curve.peak_passed,
+        "capacity_multiplier": curve.capacity.load_multiplier,
+        "capacity_displacement": curve.capacity.control_displacement,
         "ultimate_displacement": curve.ultimate_displacement,
         "last_displacement": curve.points[-1].control_displacement,
         "last_multiplier": curve.points[-1].load_multiplier,
@@ -126,6 +128,12 @@ def _table(rows: Sequence[dict[str, Any]]) -> str:
             f"{row['peak_multiplier']:>8.4f} {_metres(row['peak_displacement']):>9} "
             f"{_metres(row['ultimate_displacement']):>9}  {row['status']}"
         )
+        if row["peak_multiplier"] > row["capacity_multiplier"]:
+            lines.append(
+                f"{'':<{width}}  {'':<12} {row['capacity_multiplier']:>8.4f} "
+                f"{_metres(row['capacity_displacement']):>9} {'':>9}  before a part collapses; the "
+                "peak is that of what is left"
+            )
     return "\n".join(lines)
 
 

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 #: What the file of all directions says of each, from the summary of its own folder.
 COLUMNS = (
     "angle", "direction", "folder", "status", "reason", "peak_multiplier", "peak_displacement",
-    "peak_passed", "ultimate_displacement", "associative_multiplier", "non_associative_multiplier",
-    "n_points", "max_residual", "wall_time",
+    "peak_passed", "capacity_multiplier", "capacity_displacement", "ultimate_displacement",
+    "associative_multiplier", "non_associative_multiplier", "n_points", "max_residual", "wall_time",
 )  # fmt: skip
 TABLE, PICTURE = "directions.csv", "directions.png"
 BOTH = "both"
@@ -162,8 +162,9 @@ def _in_folders(
         nonlocal came
         came += 1
         if not quiet:
-            peak = found.get("peak_multiplier")
-            what = found["status"] if peak is None else f"{found['status']}, peak {peak:.4f}"
+            what = found["status"]
+            if found.get("peak_multiplier") is not None:
+                what += f", {_strength(found)}"
             tell([f"{came} of {number}: {angles[k]:g} degrees, {what}"])
 
     calls = [
@@ -252,8 +253,9 @@ def _taken_up(results: ResultsDirectory, ends: dict[str, float | None]) -> dict[
 
 
 def _figures(summary: dict[str, Any], curve: CapacityCurve) -> dict[str, Any]:
-    points = zip(curve.control_displacement, curve.load_multiplier, strict=True)
-    return {**summary, "curve": [(float(d), float(m)) for d, m in points]}
+    from drystone.report.directions_figure import at_rest
+
+    return {**summary, "curve": at_rest(curve)}
 
 
 def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[str, Any]:
@@ -268,6 +270,7 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
 
     known = [row for row in rows if row.get("peak_multiplier") is not None]
     least = min(known, key=lambda row: row["peak_multiplier"])
+    weakest = min(known, key=lambda row: row["capacity_multiplier"])
     summary = plain(
         {
             "title": model.title,
@@ -277,6 +280,8 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
             "n_directions": len(rows),
             "least_peak_multiplier": least["peak_multiplier"],
             "least_at": least["angle"],
+            "least_capacity_multiplier": weakest["capacity_multiplier"],
+            "least_capacity_at": weakest["angle"],
             "directions": [{key: row.get(key) for key in COLUMNS} for row in rows],
         }
     )
@@ -291,7 +296,15 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
                     table.writerow(_cell(row[key]) for key in COLUMNS)
             with whole_file(folder / PICTURE) as draft:
                 draw_directions(
-                    [Traced(angle=row["angle"], curve=row["curve"]) for row in known],
+                    [
+                        Traced(
+                            angle=row["angle"],
+                            curve=row["curve"],
+                            capacity=(row["capacity_displacement"], row["capacity_multiplier"]),
+                            rises_after_collapse=_rises_after_collapse(row),
+                        )
+                        for row in known
+                    ],
                     draft,
                     title=model.title,
                 )
@@ -311,7 +324,7 @@ def report(summary: dict[str, Any], folder: Path) -> str:
     lines = [printable(summary["title"])]
     for row in summary["directions"]:
         peak, end = (row[key] for key in ("peak_multiplier", "ultimate_displacement"))
-        what = row["reason"] if peak is None else f"peak {peak:.4f}"
+        what = row["reason"] if peak is None else _strength(row)
         if peak is not None:
             what += (
                 f", ultimate displacement {end:.4f} m" if end is not None else ", no end reached"
@@ -319,8 +332,22 @@ def report(summary: dict[str, Any], folder: Path) -> str:
         if row["status"] != "finished":
             what += f" ({row['status']})"
         lines.append(f"  {_degrees(row['angle']):<22} {printable(what)}")
-    least = f"{summary['least_peak_multiplier']:.4f} at {_degrees(summary['least_at'])}"
-    return "\n".join([*lines, f"  {'least peak':<22} {least}", f"  {'results':<22} {folder}/"])
+    least = (
+        f"{summary['least_capacity_multiplier']:.4f} at {_degrees(summary['least_capacity_at'])}"
+    )
+    return "\n".join([*lines, f"  {'least capacity':<22} {least}", f"  {'results':<22} {folder}/"])
+
+
+def _strength(row: Mapping[str, Any]) -> str:
+    """What the whole structure bears, and what is left of it where that bears more."""
+    capacity, peak = row["capacity_multiplier"], row["peak_multiplier"]
+    if _rises_after_collapse(row):
+        return f"capacity {capacity:.4f} before a part collapses, peak {peak:.4f} of what is left"
+    return f"{'peak' if row['peak_passed'] else 'highest so far'} {peak:.4f}"
+
+
+def _rises_after_collapse(row: Mapping[str, Any]) -> bool:
+    return bool(row["peak_multiplier"] > row["capacity_multiplier"])
 
 
 def _degrees(angle: float) -> str:

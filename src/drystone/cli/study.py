@@ -203,15 +203,14 @@ def state_of(progress: Progress) -> str:
 def report(found: dict[str, Any], folder: Path) -> str:
     """The few lines that a person wants to read first."""
     from drystone.model.construction.words import printable
-    from drystone.studies.findings import peaks_not_passed
+    from drystone.studies.findings import on_peaks
 
     lines = [printable(str(found["title"]))]
     counts = ", ".join(f"{n} {status}" for status, n in found["statuses"].items())
     lines.append(f"  {'samples':<22} {found['n_samples']} by {found['design']}: {counts}")
     if found.get("n_certified") is not None:
         lines.append(f"  {'certified':<22} {found['n_certified']} of {found['n_samples']}")
-    if note := peaks_not_passed(found):
-        lines.append(f"  {'peak':<22} {note}")
+    lines += [f"  {'peak':<22} {note}" for note in on_peaks(found)]
     lines += [f"  {'why not':<22} {n} times: {printable(why)}" for why, n in _reasons(found)]
     for name in found["effects"]:
         summary = found["columns"][name]

@@ -1,15 +1,22 @@
-"""Curves of several directions in one picture, and the peaks around the structure."""
+"""Curves of several directions in one picture, and what the structure bears all around."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.report import canvas
 from drystone.report.curve_figure import DISPLACEMENT, MULTIPLIER
+from drystone.results.curve import STATIC
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from drystone.results.curve import CapacityCurve
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,12 +24,31 @@ class Traced:
     """A curve and where it leads."""
 
     angle: float  # degrees, from the first direction
-    curve: Sequence[tuple[float, float]]  # control displacement [m] and load multiplier
+    curve: Sequence[tuple[float, float]]  # control displacement [m] and multiplier, at rest
+    capacity: tuple[float, float]  # likewise, of the highest point before a part collapses
+    rises_after_collapse: bool  # whether what is left then bears more
+
+    @classmethod
+    def of(cls, angle: float, curve: CapacityCurve) -> Traced:
+        """Of a curve that has a point."""
+        most = curve.capacity
+        return cls(
+            angle=angle,
+            curve=at_rest(curve),
+            capacity=(most.control_displacement, most.load_multiplier),
+            rises_after_collapse=curve.rises_after_collapse,
+        )
+
+
+def at_rest(curve: CapacityCurve) -> list[tuple[float, float]]:
+    """Control displacement [m] and load multiplier of the points at rest."""
+    resting = (point for point in curve.points if point.status == STATIC)
+    return [(point.control_displacement, point.load_multiplier) for point in resting]
 
 
 def draw_directions(traced: Sequence[Traced], path: Path | str, *, title: str = "") -> None:
-    """Write the picture: peaks around the structure where there are more than two directions, and
-    all curves.
+    """Write the picture: what the structure bears all around where there are more than two
+    directions, and all curves.
 
     Parameters
     ----------
@@ -37,28 +63,49 @@ def draw_directions(traced: Sequence[Traced], path: Path | str, *, title: str = 
     figure = canvas.new_figure(11.0 if around else 7.5, 5.4)
     if title:
         figure.suptitle(canvas.literal(title), fontsize=12)
-    colours = _colours([one.angle for one in traced])
     if around:
         figure.add_gridspec(1, 2)
-        polar = figure.add_subplot(1, 2, 1, projection="polar")
-        angle = np.radians([one.angle for one in traced])
-        peak = np.array([max(multiplier for _, multiplier in one.curve) for one in traced])
-        polar.plot(np.append(angle, angle[0]), np.append(peak, peak[0]), color=canvas.INK, lw=1.2)
-        for a, p, colour in zip(angle, peak, colours, strict=True):
-            polar.plot([a], [p], "o", color=colour, ms=5)
-        polar.set_ylim(0.0, 1.1 * max(float(peak.max()), 1e-12))
-        polar.set_title("peak multiplier by direction", fontsize=10)
-        polar.tick_params(labelsize=8)
-    axes = figure.add_subplot(1, 2 if around else 1, 2 if around else 1)
-    for one, colour in zip(traced, colours, strict=True):
+        plot_around(figure.add_subplot(1, 2, 1, projection="polar"), traced)
+    plot_directions(figure.add_subplot(1, 2 if around else 1, 2 if around else 1), traced)
+    canvas.save(figure, path)
+
+
+def plot_around(polar: Axes, traced: Sequence[Traced]) -> None:
+    """Draw the multiplier before a part collapses by direction, on polar axes."""
+    angle = np.radians([one.angle for one in traced])
+    most = np.array([one.capacity[1] for one in traced])
+    polar.plot(np.append(angle, angle[0]), np.append(most, most[0]), color=canvas.INK, lw=1.2)
+    for one, a, m in zip(traced, angle, most, strict=True):
+        polar.plot([a], [m], **_mark(one, traced), ms=5)
+    polar.set_ylim(0.0, 1.1 * max(float(most.max()), 1e-12))
+    collapses = any(one.rises_after_collapse for one in traced)
+    what = "multiplier before a part collapses" if collapses else "peak multiplier"
+    polar.set_title(f"{what}, by direction", fontsize=10)
+    polar.tick_params(labelsize=8)
+
+
+def plot_directions(axes: Axes, traced: Sequence[Traced]) -> None:
+    """Draw all curves; a ring marks where a part collapses that what is left outlasts."""
+    for one in traced:
         x, y = np.array(one.curve, float).T
-        axes.plot(x, y, color=colour, lw=1.2, label=f"{one.angle:g}°")
+        mark = _mark(one, traced)
+        axes.plot(x, y, color=mark["color"], lw=1.2, label=f"{one.angle:g}°")
+        if one.rises_after_collapse:
+            axes.plot(*one.capacity, **mark, ms=5, zorder=5)
+    if any(one.rises_after_collapse for one in traced):
+        axes.plot([], [], "o", color=canvas.INK, mfc="white", label="before a part collapses", ms=5)
     axes.set_xlabel(f"{DISPLACEMENT} [m]")
     axes.set_ylabel(MULTIPLIER)
     axes.axhline(0.0, color=canvas.FAINT, lw=0.8)
     axes.legend(fontsize=8, frameon=False, ncols=1 + len(traced) // 13)
     canvas.plain_axes(axes)
-    canvas.save(figure, path)
+
+
+def _mark(one: Traced, traced: Sequence[Traced]) -> dict[str, Any]:
+    """A dot in the colour of the direction; a ring where a part collapses there."""
+    colour = _colours([each.angle for each in traced])[traced.index(one)]
+    ring = {"mfc": "white"} if one.rises_after_collapse else {}
+    return {"color": colour, "marker": "o", "ls": "none", **ring}
 
 
 def _colours(angles: Sequence[float]) -> list[str | tuple[float, float, float]]:

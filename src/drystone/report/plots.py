@@ -1,4 +1,4 @@
-"""Pictures on axes of one's own, for notebooks and scripts: a curve, a model, a mechanism."""
+"""Pictures on axes of one's own, for notebooks and scripts: curves, a model, a mechanism."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from drystone.common.arrays import Array
 from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
 from drystone.report import curve_figure, mechanism_figure
+from drystone.report.directions_figure import Traced, plot_around, plot_directions
 from drystone.report.mechanism import Mechanism, readable_magnification
 from drystone.report.reaction_figure import plot_reaction
 from drystone.results.curve import CapacityCurve
@@ -18,6 +19,8 @@ from drystone.results.curve import CapacityCurve
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
+
+    from drystone.analysis.directions import Polar
 
 
 def plot_curve(
@@ -120,15 +123,43 @@ def plot_model(model: Model, ax: Axes | None = None) -> Axes:
     return plot_mechanism(model, model.assembly.design_pose(), ax)
 
 
+def plot_polar(polar: Polar, ax: Axes | None = None) -> Axes:
+    """Draw what a structure bears by direction before a part of it collapses.
+
+    Parameters
+    ----------
+    polar
+        At least one of its curves has a point.
+    ax
+        Axes to draw on; those of a new figure by default. They must be polar where there are more
+        than two directions; of two directions the curves are drawn.
+    """
+    traced = [
+        Traced.of(angle, curve)
+        for angle, curve in zip(polar.angles, polar.curves, strict=True)
+        if curve is not None and curve.points
+    ]
+    if len(polar.angles) <= 2:
+        ax = _axes(ax, (7.0, 4.5))
+        plot_directions(ax, traced)
+        return ax
+    ax = _axes(ax, (5.5, 5.5), projection="polar")
+    if ax.name != "polar":
+        raise ValueError("directions all around need polar axes: subplots(projection='polar')")
+    plot_around(ax, traced)
+    return ax
+
+
 def _is_curve(line: Line2D) -> bool:
     """Whether a line on the axes is a curve with a label of its own, not its marks."""
     return not str(line.get_label()).startswith("_") and line.get_linestyle() != "None"
 
 
-def _axes(ax: Axes | None, size: tuple[float, float]) -> Axes:
+def _axes(ax: Axes | None, size: tuple[float, float], projection: str | None = None) -> Axes:
     """The given axes, or those of a new figure that a notebook shows."""
     if ax is not None:
         return ax
     from matplotlib import pyplot
 
-    return pyplot.subplots(figsize=size, layout="constrained")[1]
+    kind = {"projection": projection}
+    return pyplot.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]

@@ -32,6 +32,7 @@ _LINE = 72
 _WORDS = {
     "peak_multiplier": "peak multiplier [-]",
     "peak_multiplier_against": "peak multiplier against the load [-]",
+    "capacity_multiplier_against": "multiplier before collapse, against the load [-]",
     "ultimate_displacement": "ultimate displacement [m]",
     "capacity_multiplier": "multiplier before collapse [-]",
     "limit_associative": "limit analysis, associative [-]",

@@ -37,6 +37,7 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
         "reasons": frame["reason"][wrong].value_counts()[:10].to_dict(),
         "n_certified": _count(frame, "certified", True),
         "n_peaks_not_passed": _count(frame, "peak_passed", False),
+        "n_peaks_after_collapse": _after_collapse(frame),
         "columns": {name: _summary(_array(frame, name)) for name in columns},
         "effects": {name: indices.effects(asked, frame, name) for name in main},
         "convergence": {name: indices.convergence(values[name]) for name in main},
@@ -49,14 +50,20 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
     return plain(found)  # type: ignore[no-any-return]
 
 
-def peaks_not_passed(found: Mapping[str, Any]) -> str:
-    """A sentence where curves of the samples end before their peak; "" where none does."""
-    if not (number := found.get("n_peaks_not_passed")):
-        return ""
-    return (
-        f"not passed in {number} of {found['n_samples']}: there peak_multiplier is the highest "
-        "so far"
-    )
+def on_peaks(found: Mapping[str, Any]) -> list[str]:
+    """Sentences where the greatest multiplier of samples is not the one that their structure
+    bears."""
+    many, said = found.get("n_samples"), []
+    if number := found.get("n_peaks_not_passed"):
+        said.append(
+            f"not passed in {number} of {many}: there peak_multiplier is the highest so far"
+        )
+    if number := found.get("n_peaks_after_collapse"):
+        said.append(
+            f"after a part has collapsed in {number} of {many}: there peak_multiplier is that of "
+            "what is left, capacity_multiplier that of the whole structure"
+        )
+    return said
 
 
 def _distinct(values: dict[str, Array]) -> dict[str, Array]:
@@ -86,6 +93,13 @@ def _array(frame: Any, name: str) -> Array:
 def _count(frame: Any, name: str, value: bool) -> int | None:
     """Samples of which a column is true, or false; None where there is no such column."""
     return int((frame[name] == value).sum()) if name in frame else None
+
+
+def _after_collapse(frame: Any) -> int | None:
+    """Samples that bear more after a part of them has collapsed; None without such columns."""
+    if not {"peak_multiplier", "capacity_multiplier"} <= set(frame):
+        return None
+    return int((_array(frame, "peak_multiplier") > _array(frame, "capacity_multiplier")).sum())
 
 
 def _extremes(values: dict[str, Array]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from drystone.io.results.folder import whole_file
 from drystone.report.canvas import image
 from drystone.report.document.template import template
 from drystone.studies.conduct import record_of
-from drystone.studies.findings import peaks_not_passed
+from drystone.studies.findings import on_peaks
 
 #: Figures with what they show.
 FIGURES = {
@@ -69,9 +69,7 @@ def _facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     if record.get("n_certified") is not None:
         within = f"{record['n_certified']} complete, every point at rest within its engine's bound"
         found.insert(2, ("certified", within))
-    if note := peaks_not_passed(record):
-        found.append(("peak", note))
-    return found
+    return found + [("peak", note) for note in on_peaks(record)]
 
 
 def _tables(record: Mapping[str, Any]) -> Any:

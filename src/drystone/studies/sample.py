@@ -312,7 +312,11 @@ def _of_senses(task: Task, model: Any, along: Any) -> dict[str, Any]:
         against = curve.assess(turned)
     except (AssessmentError, EngineError, ModelError, ValueError) as error:
         return {"why": f"{OPPOSITE}: {reason_of(error)}"}
-    own = {"peak_multiplier": curve.peak.load_multiplier, **_of_verdict(against)}
+    own = {
+        "peak_multiplier": curve.peak.load_multiplier,
+        "capacity_multiplier": curve.capacity.load_multiplier,
+        **_of_verdict(against),
+    }
     opposite_governs = severity(against) < severity(along)
     return {
         "why": "" if curve.status == "finished" else f"{OPPOSITE}: {curve.status}, {curve.reason}",

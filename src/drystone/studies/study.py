@@ -29,8 +29,8 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "assess": ("safety_index", "satisfied", "activation_multiplier"),
     "senses": (
         "safety_index", "satisfied", "activation_multiplier", "governing_sense",
-        "governing_safety_index", "peak_multiplier_against", "safety_index_against",
-        "satisfied_against", "activation_multiplier_against",
+        "governing_safety_index", "peak_multiplier_against", "capacity_multiplier_against",
+        "safety_index_against", "satisfied_against", "activation_multiplier_against",
     ),
 }  # fmt: skip
 
