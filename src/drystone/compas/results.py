@@ -113,6 +113,7 @@ def _about(model: Model, curve: CapacityCurve, step: int) -> dict[str, Any]:
         "point": step,
         "load_multiplier": curve.points[step].load_multiplier,
         "peak_multiplier": curve.peak.load_multiplier,
+        "capacity_multiplier": curve.capacity.load_multiplier,
         "control_displacement": curve.control_displacement.tolist(),
         "load_multipliers": curve.load_multiplier.tolist(),
         "residual": float(curve.points[step].residual),
