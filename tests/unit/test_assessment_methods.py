@@ -486,11 +486,29 @@ def test_asce41_refuses_where_strength_falls_too_fast():
     assert ratio == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.parametrize("mass_factor", [1.0, 0.8])
+def test_asce41_takes_the_base_shear_over_the_weight(mass_factor):
+    """mu = S_a C_m / lambda_y, (7-31); a* = lambda g / e* counted e* once more."""
+    part = participation([1000.0, 1000.0, 1000.0], [1.0, 0.6, 0.2])
+    capacity = Capacity.of(
+        [0.0, 0.002, 0.03, 0.06, 0.1, 0.3],
+        [0.0, 0.25, 0.252, 0.22, 0.15, 0.0],
+        part,
+        reading="base_shear",
+    )
+    own = {"site_class": "C", "effective_mass_factor": mass_factor}
+    settings = Settings.of(method="asce41", limit_states=("CP",), **own)
+    found = assess(capacity, site(), settings)
+    assert found.bilinear is not None
+    multiplier = found.bilinear.yield_acceleration / capacity.acceleration_factor
+    level = site().sa(found.bilinear.period, 0.05) / GRAVITY
+    ratio = found.state("CP").details["strength_ratio"]
+    assert ratio == pytest.approx(level * mass_factor / multiplier, rel=1e-9)
+
+
 def test_asce41_by_hand():
     # h = 1 + 0.15 ln 0.3 = 0.8194, |-0.05|^-h/4 = 2.910
     assert asce41.largest_strength_ratio(0.03, 0.01, -0.05, 0.3) == pytest.approx(5.910, abs=1e-3)
-    assert asce41.effective_slope(-0.1, -0.2, True) == pytest.approx(-0.18)
-    assert asce41.effective_slope(-0.1, -0.2, False) == pytest.approx(-0.12)
     # T_e below 0.2 s counts as 0.2 s in C_1: 1 + 2/(130 0.04)
     assert asce41.ductility_coefficient(3.0, 0.1, "B") == pytest.approx(1 + 2 / 5.2)
     assert asce41.ductility_coefficient(3.0, 1.1, "B") == 1.0
@@ -605,7 +623,7 @@ def test_what_is_missing_or_unknown_is_named():
         assess(rocking_wall(), site(), local(kinematics="dynamic"))
     with pytest.raises(AssessmentError, match="reading"):
         assess(rocking_wall(), site(), local(reading="force"))
-    for key in ("site_class", "effective_mass_factor", "near_fault"):
+    for key in ("site_class", "effective_mass_factor"):
         options = {**FULL["asce41"]}
         del options[key]
         with pytest.raises(AssessmentError, match=f'needs "{key}"'):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
+from builders import rectangle
 
 
 def test_an_extruded_wall_weighs_and_reaches_as_much():
@@ -37,3 +38,20 @@ def test_outlines_that_are_no_solids_are_refused():
     )
     with pytest.raises(ds.ModelError, match=r'as a solid, block "b1": face .* encloses no area'):
         ds.extruded(plane)
+
+
+def test_a_control_point_that_nobody_named_may_move_in_space_too():
+    """The thin wall falls at b/h; it was followed at the pier, which stands on to 0.75."""
+    outlines = {"thin": rectangle(0.0, 0.0, 0.2, 1.5), "pier": rectangle(3.0, 0.0, 1.5, 2.0)}
+    blocks = [
+        ds.Block(
+            id="base", vertices=rectangle(-1.0, -0.5, 7.0, 0.5), unit_weight=2e4, support=True
+        ),
+        *(ds.Block(id=name, vertices=v, unit_weight=2e4) for name, v in outlines.items()),
+    ]
+    joint = ds.JointLaw(friction_coefficient=0.8, normal_stiffness=1e10, shear_stiffness=1e10)
+    plane = ds.make_model(blocks, joint=joint, thickness=1.0, load_direction=(1.0, 0.0))
+    for model in (plane, ds.extruded(plane)):
+        curve = ds.pushover(model)
+        assert curve.peak.load_multiplier == pytest.approx(0.2 / 1.5, rel=1e-3)
+        assert curve.control_point.block == model.assembly.index("thin")

@@ -105,6 +105,10 @@ class Capacity:
     friction: float | None = None
     """Share of the work of the load that friction takes, see
     `drystone.assessment.mechanism.sliding`.  None: not known."""
+    by_mass: bool = True
+    """Whether the load is in proportion to mass.  Of another one the multipliers are those of
+    forces in proportion to mass that do its work; the codes' F_b/Gamma, of forces in proportion to
+    m phi, is that work."""
 
     def __post_init__(self) -> None:
         if self.reading not in READINGS:
@@ -154,6 +158,7 @@ class Capacity:
         losses: Sequence[tuple[float, str]] | None = None,
         out_of_plane: float | None = None,
         friction: float | None = None,
+        by_mass: bool = True,
     ) -> Capacity:
         """A capacity of a curve (n,) [m], (n,) and of what takes part in it.
 
@@ -183,6 +188,7 @@ class Capacity:
             losses=None if losses is None else tuple(losses),
             out_of_plane=out_of_plane,
             friction=friction,
+            by_mass=by_mass,
         )
 
     @classmethod
@@ -215,8 +221,9 @@ class Capacity:
 
     @property
     def acceleration_factor(self) -> float:
-        """What multipliers are multiplied by [m/s2]: g/e* in the reading of the base shear."""
-        if self.reading == "base_shear":
+        """What multipliers are multiplied by [m/s2]: g/e* in the reading of the base shear, of
+        loads in proportion to mass."""
+        if self.reading == "base_shear" and self.by_mass:
             return GRAVITY / self.participating_mass_ratio
         return GRAVITY
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from drystone.assessment.capacity import READINGS, Capacity, slides
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
@@ -19,8 +21,13 @@ from drystone.assessment.mechanism.shapes import (
     initial_shape,
 )
 from drystone.assessment.mechanism.sliding import share_of_friction
+from drystone.common.arrays import BoolArray
 from drystone.common.language import Saying, said_end, say
+from drystone.common.tolerances import ROUNDING
+from drystone.model.assembly import crushes
 from drystone.model.loading.base import masses_of
+from drystone.model.loading.dead_forces import DeadForces
+from drystone.model.loading.mass import MassPattern
 from drystone.model.model import Model
 from drystone.results.curve import FINISHED, CapacityCurve
 
@@ -101,7 +108,7 @@ def reduced(
         raise AssessmentError(f'there is no grouping "{grouping}": take {" or ".join(GROUPINGS)}')
     shape, envelope = initial_shape(curve, model), static_envelope(curve)
     part = shape.bodies if grouping == "macro_blocks" else shape.blocks
-    share, said = pattern_share(model, shape)
+    share, by_mass, said = pattern_share(model, shape)
     friction = share_of_friction(curve, model)
     if not slides(friction):  # else it falls off what bears it
         envelope = _known_collapse(envelope, curve, model)
@@ -123,6 +130,7 @@ def reduced(
         losses=[(event.control_displacement, event.said) for event in curve.events],
         out_of_plane=share_out_of_plane(model.assembly, shape, model.load_along),
         friction=friction,
+        by_mass=by_mass,
     )
     return Reduction(
         shape=shape,
@@ -148,15 +156,22 @@ def _known_collapse(envelope: Envelope, curve: CapacityCurve, model: Model) -> E
     return replace(envelope, collapse_extrapolated=False, collapse_note=note)
 
 
-def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str, ...]]:
-    """The multiplier of forces in proportion to mass that do the work of the load pattern at one.
+def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, bool, tuple[str, ...]]:
+    """What makes forces in proportion to mass of the load pattern.
 
     Methods know ground accelerations, and so forces in proportion to mass: 1 of that pattern.  Of
     another, its work in the initial mechanism counts; a sentence says so.
+
+    Returns
+    -------
+    The multiplier of forces in proportion to mass that do the work of the pattern at one, whether
+    the pattern is in proportion to mass itself, and sentences.
     """
     pattern, assembly = model.load, model.assembly
+    if pattern.turns_gravity and _bears_without_weight(model):
+        raise AssessmentError(say("refused.tilt"))
     if pattern.name == "mass":
-        return 1.0, ()
+        return 1.0, True, ()
     masses = masses_of(assembly, model.dead_loads, model.ties)
     forces, field = pattern.forces(assembly, masses), shape.field
     present = shape.mass > 0.0
@@ -166,7 +181,30 @@ def pattern_share(model: Model, shape: MechanismShape) -> tuple[float, tuple[str
     if not work > 0.0:
         raise AssessmentError(say("refused.no_work", name=pattern.name))
     share = work / own
-    return share, (say("mechanism.pattern", name=pattern.name, share=share),)
+    by_mass = MassPattern(direction=pattern.along(assembly)).forces(assembly, masses)
+    said = say("mechanism.pattern", name=pattern.name, share=share)
+    return share, _in_proportion(forces, by_mass, present), (said,)
+
+
+def _bears_without_weight(model: Model) -> bool:
+    """Whether anything acts that does not shrink as gravity turns."""
+    laws = model.assembly.laws
+    return (
+        bool(model.ties)
+        or any(not load.mass for load in model.dead_loads)
+        or any(law.cohesion > 0.0 or law.tensile_strength > 0.0 for law in laws)
+        or crushes(laws)
+    )
+
+
+def _in_proportion(forces: DeadForces, others: DeadForces, rows: BoolArray) -> bool:
+    """Whether forces on some blocks (n,), and their moments, are a multiple of others."""
+    own, other = (
+        np.concatenate((each.force[rows].ravel(), each.moments()[rows].ravel()))
+        for each in (forces, others)
+    )
+    factor = float(own @ other) / float(other @ other)
+    return bool(np.abs(own - factor * other).max() <= ROUNDING * np.abs(own).max())
 
 
 def _notes(

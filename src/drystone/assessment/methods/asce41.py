@@ -29,6 +29,7 @@ REFERENCE = "CP"
 KEYS: tuple[Key, ...] = (
     Key(name="site_class", type=Choice(("A", "B", "C", "D", "E", "F")), default=None),
     Key(name="effective_mass_factor", type=Number(POSITIVE), default=None),  # C_m
+    # Has no effect: alpha_P = alpha_2 in (7-33), as the whole descent is taken as P-Delta.
     Key(name="near_fault", type=Flag(), default=None),
 )
 
@@ -43,9 +44,6 @@ SHORTEST, LONGEST_C1, LONGEST_C2 = 0.2, 1.0, 0.7
 
 #: Share of the yield strength through which the effective stiffness passes, 7.4.3.2.4.
 SECANT_SHARE = 0.6
-
-#: lambda of (7-33), near a fault or not.
-NEAR_FAULT = {True: 0.8, False: 0.2}
 
 UNCERTAIN = (say("asce41.text"),)
 
@@ -123,11 +121,6 @@ def largest_strength_ratio(
     return displacement / yield_displacement + abs(slope) ** -power / 4.0
 
 
-def effective_slope(p_delta: float, total: float, near_fault: bool) -> float:
-    """alpha_e = alpha_P + lambda (alpha_2 - alpha_P), (7-33); both below zero."""
-    return p_delta + NEAR_FAULT[near_fault] * (total - p_delta)
-
-
 def idealised(capacity: Capacity) -> Bilinear:
     """Yield point by equal areas up to the peak, first branch through 0.6 V_y, 7.4.3.2.4.
 
@@ -162,10 +155,10 @@ class _Oscillator(NamedTuple):
     """What the formulas take of a curve and of the settings."""
 
     period: float  # s, T_e
-    yield_ratio: float  # V_y/W, in g of d*, a*
+    yield_ratio: float  # V_y/W
     yield_displacement: float  # m
     peak_displacement: float  # m, at the highest base shear
-    slope: float  # alpha_e
+    slope: float  # alpha_e, which is alpha_2 where the whole descent is P-Delta, (7-33)
     mass_factor: float  # C_m
     site_class: str
 
@@ -198,14 +191,13 @@ def _oscillator(capacity: Capacity, curve: Bilinear, settings: Settings) -> _Osc
     """The oscillator of a bilinear; `AssessmentError` names what the settings leave out."""
     site = settings.need("site_class", '"A" to "F", as C_1 depends on it, (7-29)')
     mass = settings.need("effective_mass_factor", "C_m of Table 7-4; 1 is on the safe side")
-    near = settings.need("near_fault", "alpha_e depends on it, (7-33): true or false")
-    slope = _descent(capacity, curve)
     return _Oscillator(
         period=curve.period,
-        yield_ratio=curve.yield_acceleration / GRAVITY,
+        # The base shear over the whole weight: a* is F_b/(e* M).
+        yield_ratio=curve.yield_acceleration / GRAVITY * capacity.participating_mass_ratio,
         yield_displacement=curve.yield_displacement,
         peak_displacement=float(capacity.spectral_displacement[capacity.peak_index]),
-        slope=effective_slope(slope, slope, bool(near)),
+        slope=_descent(capacity, curve),
         mass_factor=positive(mass, "C_m"),
         site_class=site,
     )
@@ -317,7 +309,6 @@ __all__ = [
     "assess",
     "degradation_coefficient",
     "ductility_coefficient",
-    "effective_slope",
     "idealised",
     "largest_strength_ratio",
     "storeys_shape_factor",

@@ -13,7 +13,6 @@ from drystone.geometry.space.solid import Part
 from drystone.model.assembly import Assembly, Block
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
-from drystone.model.monitor import ControlPoint
 
 
 def extruded(model: Model, *, points: int | None = None) -> Model:
@@ -61,8 +60,8 @@ def extruded(model: Model, *, points: int | None = None) -> Model:
         dead_loads=tuple(load.in_space(into) for load in model.dead_loads),
         ties=tuple(tie.in_space(into) for tie in model.ties),
         settlement=model.settlement and model.settlement.in_space(into),
-        control_point=ControlPoint(
-            block=control.block,
+        control_point=replace(
+            control,
             point=_in_space(control.point, 0.5 * depth),
             direction=_in_space(control.direction),
         ),
