@@ -1,13 +1,17 @@
 """[control] history: what files say, and what is wrong with it; cycles of loops."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import drystone as ds
+from builders import rectangle
+from drystone.assessment.mechanism.envelope import static_envelope
 from drystone.model.construction.errors import ModelError
 from drystone.results.cycles import cycles_of, envelope, reversals
+from drystone.results.events import Event, EventKind
 
 TEXT = """
 dimension = 2
@@ -136,6 +140,70 @@ def test_the_envelope_is_where_it_goes_farther_out():
     assert np.all(np.diff(out) > 0.0) and out[-1] == pytest.approx(2.0)
     back, _ = envelope(x, y, -1.0)
     assert back.min() == pytest.approx(-2.0)
+
+
+def rocked(history, pattern=None):
+    """A block of 0.5 x 4 m that rocks to and fro, and its curve."""
+    shapes = {"base": ((-1.0, -0.5), (2.0, 0.0)), "b": ((0.0, 0.0), (0.5, 4.0))}
+    blocks = [
+        ds.Block(
+            id=name, vertices=rectangle(*low, high[0] - low[0], high[1] - low[1]),
+            unit_weight=18e3, support=name == "base",
+        )
+        for name, (low, high) in shapes.items()
+    ]  # fmt: skip
+    joint = ds.JointLaw(friction_coefficient=0.8, normal_stiffness=1e11, shear_stiffness=1e11)
+    load = pattern or ds.MassPattern(direction=np.array([1.0, 0.0]))
+    model = ds.make_model(blocks, joint=joint, thickness=1.0, load=load).with_history(history)
+    return ds.pushover(model, keep_poses=True)
+
+
+def test_a_collapse_in_one_sense_is_none_of_the_other():
+    """It was taken for that: the other sense had a collapse at its last point."""
+    curve = rocked([0.05, -0.05, 0.10, -0.10, 0.15])
+    out = curve.points[int(np.argmax(curve.control_displacement))]
+    place = {
+        "step": out.step,
+        "control_displacement": out.control_displacement,
+        "load_multiplier": out.load_multiplier,
+    }
+    fallen = Event(kind=EventKind.BLOCK_FALLEN, blocks=("b",), motion=1.0, **place)
+    cut = replace(curve, events=(fallen,)).until(fallen)
+    along, against = cut.outward(), cut.outward(-1.0)
+    assert (along.status, along.ended_by.step) == ("finished", len(along.points) - 1)
+    assert (against.status, against.ended_by) == ("stopped", None)
+    assert static_envelope(along).collapse_displacement == pytest.approx(0.15, rel=1e-6)
+    assert static_envelope(against).collapse_displacement is None
+
+
+def test_what_happens_in_one_sense_counts_in_the_other_from_there_on():
+    """A tie that yields at 0.10 m, between -0.05 and -0.10 m: the way back to -0.05 m is as it was.
+    One that yields at 0.15 m, after the last point of the other sense, does not count there."""
+    curve = rocked([0.05, -0.05, 0.10, -0.10, 0.15])
+    x = curve.control_displacement
+    for place, wanted in ((0.10, [0.05]), (0.15, [])):
+        step = int(np.argmax(x > place - 1e-6))
+        yielded = Event(
+            kind=EventKind.TIE_YIELDED,
+            step=step,
+            control_displacement=float(x[step]),
+            load_multiplier=0.1,
+            ties=("rod",),
+        )
+        against = replace(curve, events=(yielded,)).outward(-1.0)
+        assert [e.control_displacement for e in against.events] == pytest.approx(wanted, abs=1e-6)
+
+
+def test_energies_of_a_table_that_tilts():
+    """Its load is l F / sqrt(1 + l^2), not l F."""
+    history = [0.05, -0.05, 0.05]
+    table, ground = (
+        rocked(history, pattern(direction=np.array([1.0, 0.0])))
+        for pattern in (ds.TiltPattern, ds.MassPattern)
+    )
+    level = 0.125 * (1.0 - 0.05 / 0.5)  # b/h, and less by the share of the way to the collapse
+    ratio = table.cycles[0].force_at_greatest / ground.cycles[0].force_at_greatest
+    assert ratio == pytest.approx(1.0 / math.hypot(1.0, level), abs=1e-4)
 
 
 def test_the_digest_is_also_that_of_the_file_of_displacements(tmp_path):

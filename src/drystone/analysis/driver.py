@@ -623,6 +623,7 @@ class _Run:
             settlement=self.settlement,
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
             load_force=self.model.load_force,
+            load_turns=self.model.load.turns_gravity,
             model=self.model,
             blocks_left=tuple(self.left),
             events=self.log.end(),

@@ -252,6 +252,7 @@ class CapacityCurve:
     ended_by: Event | None = None  # of a curve that was cut off there, see `until`
     motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
+    load_turns: bool = False  # whether it turns gravity, and so shrinks as the angle grows
     model: Model | None = None  # what was traced; None of curves that were read
 
     @property
@@ -374,7 +375,11 @@ class CapacityCurve:
         displacement: the work of the load where all of it moves as the control point does."""
         if not self.is_cyclic:
             return ()
-        return cycles_of(self.control_displacement, self.load_force * self.load_multiplier)
+        multiplier = self.load_multiplier
+        load = self.load_force * multiplier
+        if self.load_turns:
+            load = load / np.sqrt(1.0 + multiplier**2)  # see `TiltPattern`
+        return cycles_of(self.control_displacement, load)
 
     def envelope(self, sense: float = 1.0) -> tuple[Array, Array]:
         """Control displacements [m] and multipliers of points farther out in a sense, 1 or -1, than
@@ -560,7 +565,9 @@ class CapacityCurve:
         of one sense: points farther out than any before, with what had happened up to each.
 
         In the other sense displacements and multipliers are counted along that.  It is complete
-        where the cyclic one ends in a collapse in the sense.
+        where the cyclic one ends in a collapse in the sense.  What happened on the way in the other
+        sense, or nearer than the points before, counts from the farthest of these on; what happened
+        after the last of the points kept does not count.
         """
         x = sense * self.control_displacement
         farthest = np.maximum.accumulate(np.concatenate(([0.0], x[:-1])))
@@ -579,11 +586,17 @@ class CapacityCurve:
             }
             return replace(record, step=step, **counted)
 
+        def happened(event: Event) -> Event:
+            """An event where the envelope had come when it happened, at least."""
+            found = along(event, i := at(event.step))
+            place = max(found.control_displacement, float(x[rows[i]]))
+            return replace(found, control_displacement=place)
+
         last = self.ended_by
-        collapsed = self.status == FINISHED and (
-            sense * (self._ultimate_of_cycles or 0.0) > 0.0
-            or (last is not None and sense * last.control_displacement >= 0.0)
-        )
+        if last is not None and sense * last.control_displacement < 0.0:
+            last = None
+        end = sense * (self._ultimate_of_cycles or 0.0)
+        collapsed = self.status == FINISHED and (end > 0.0 or last is not None)
         return replace(
             self,
             strategy=DISPLACEMENT,
@@ -591,9 +604,9 @@ class CapacityCurve:
             poses=None if self.poses is None else self.poses[rows],
             contacts=None if self.contacts is None else tuple(self.contacts[k] for k in rows),
             ties=None if self.ties is None else self.ties.at_rows(rows),
-            blocks_left=tuple(along(b, at(b.step)) for b in self.blocks_left),
-            events=tuple(along(e, at(e.step)) for e in self.events),
-            ended_by=last and along(last, at(last.step)),
+            blocks_left=tuple(along(b, at(b.step)) for b in self.blocks_left if b.step <= rows[-1]),
+            events=tuple(happened(e) for e in self.events if e.step <= rows[-1]),
+            ended_by=last and happened(last),
             status=FINISHED if collapsed else STOPPED,
         )
 
