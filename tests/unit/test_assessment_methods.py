@@ -218,15 +218,22 @@ def test_what_breaks_first_limits():
 def test_a_tie_that_breaks_ends_the_slv():
     part = participation([1000.0], [1.0])
 
-    def tied(after, width=0.001):
+    def tied(after, width=0.001, losses=None):
         return Capacity.of(
-            [0.0, 0.02, 0.02 + width, 0.3], [0.3, 0.28, after, 0.0], part, reading="base_shear"
+            [0.0, 0.0195, 0.02, 0.02 + width, 0.3],
+            [0.3, 0.28, 0.28, after, 0.0],
+            part,
+            reading="base_shear",
+            losses=losses,
         )
 
     broken = assess(tied(0.12), site(), local()).state("SLV")
     assert broken.limit_displacement == pytest.approx(0.02)
     assert broken.limit_acceleration == pytest.approx(0.28 * GRAVITY / 1.35)
     assert "sudden loss" in broken.details["limit_set_by"]
+    # However far the next point at rest is, where the tie is known to break before it.
+    jumped = tied(0.12, width=0.01, losses=[(0.02, 'the tie "rod" breaks')])
+    assert assess(jumped, site(), local()).state("SLV").limit_displacement == pytest.approx(0.02)
     # less than half of 0.3, and as much in ten times the way
     for other in (tied(0.14), tied(0.12, width=0.01)):
         assert assess(other, site(), local()).state("SLV").limit_displacement == pytest.approx(0.12)

@@ -1040,10 +1040,16 @@ class TestEnds:
         assert not in_motion.finished and "in motion" in in_motion.reason
 
     def test_a_peak_below_the_stop_value(self):
+        """The curve ends at a tenth of it, as of any low peak; where another value is asked for it
+        goes on to next to nothing."""
         low = {"highest": 0.008}
         assert self.end(multiplier=0.001, **low) is None
-        end = self.end(multiplier=7e-5, **low)
-        assert not end.finished and "peak multiplier 0.008 lies below" in end.reason
+        assert self.end(multiplier=7e-4, **low).finished
+        progress = {"displacement": 0.05, "n_steps": 50, "static": True, "highest": 0.4}
+        asked = replace(self.SETTINGS, stop_multiplier=0.6)
+        assert end_of_curve(asked, Progress(multiplier=0.005, **progress)) is None
+        end = end_of_curve(asked, Progress(multiplier=0.003, **progress))
+        assert not end.finished and "peak multiplier 0.4 lies below" in end.reason
 
 
 class TestControlsHoldNoState:

@@ -195,7 +195,11 @@ def test_table():
     spectrum = table(soil_factor=1.25)
     assert spectrum.ground_acceleration == pytest.approx(1.6)
     assert float(spectrum.sa(0.1, 0.05)) == pytest.approx(3.5)  # straight between points
-    assert float(spectrum.sa(0.1, 0.10)) == pytest.approx(3.5 * math.sqrt(10 / 15))
+    # a_g S (1 + (eta F - 1) T/T_B) with F = 5/2 and T_B = 0.2 s; the ground has no damping
+    eta = math.sqrt(10 / 15)
+    assert float(spectrum.sa(0.1, 0.10)) == pytest.approx(2.0 * (1.0 + (2.5 * eta - 1.0) / 2.0))
+    assert float(spectrum.sa(0.0, 0.10)) == 2.0
+    assert float(spectrum.sa(0.2, 0.10)) == pytest.approx(5.0 * eta)
     # beyond the last point the displacement stays
     assert spectrum.sd([3.0, 7.0], 0.05) == pytest.approx(float(spectrum.sd(2.0, 0.05)))
     # largest S_e T is 3.0 at 0.6 s and at 2 s, over 5.0

@@ -205,6 +205,32 @@ class TestArchOnSpreadingSupports:
         assert there == pytest.approx(one.reaction[-1], rel=1e-2)
 
 
+@pytest.mark.parametrize("space", [False, True])
+def test_a_wedge_between_supports_that_spread(space):
+    """N = W/2/(sin a + mu cos a) on each face, H = N (cos a - mu sin a) throughout.  It was said to
+    be locked by a load, of which there is none."""
+    angle, friction = math.radians(20.0), 0.2
+    half, top = 0.3, 0.3 + math.tan(angle)
+    wedge = [(-half, 0), (half, 0), (top, 1), (-top, 1)]
+    model = ds.make_model(
+        [
+            block("left", [(-2, 0), (-half, 0), (-top, 1), (-2, 1)], support=True),
+            block("right", [(2, 1), (top, 1), (half, 0), (2, 0)], support=True),
+            block("wedge", wedge),
+        ],
+        joint=joint(friction, 1e9),
+        thickness=THICKNESS,
+        settlement=ds.Settlement(blocks=("right",), direction=RIGHT, max=0.1),
+    )
+    curve = ds.pushover(ds.extruded(model) if space else model)
+    weight = (half + top) * 1.0 * THICKNESS * UNIT_WEIGHT
+    force = 0.5 * weight / (math.sin(angle) + friction * math.cos(angle))
+    thrust = force * (math.cos(angle) - friction * math.sin(angle))
+    assert curve.status == "finished", curve.reason
+    assert curve.control_displacement[-1] == pytest.approx(0.1, rel=1e-6)
+    assert np.abs(curve.reaction) == pytest.approx(thrust, rel=1e-4)
+
+
 def test_tie_that_holds_a_spreading_frame():
     """A tie between the toes takes of the thrust what it carries: supports feel the rest."""
     model = leaning()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -91,7 +92,9 @@ class Plausibility:
 
 
 def _plausible_multiplier(model: Model) -> float:
-    """Multiplier at which the load is `PLAUSIBLE_LOAD`."""
+    """Multiplier at which the load is `PLAUSIBLE_LOAD`; none where supports move in its place."""
+    if model.settlement is not None:
+        return math.inf
     acting = Acting.of(model.assembly, model.load, model.dead_loads, model.ties)
     loaded = acting.pattern.wrenches(model.assembly).any(axis=1)
     weight = model.assembly.weight[loaded].sum()

@@ -51,8 +51,8 @@ class EndSettings:
 
 def stop_after(highest: float, stop_multiplier: float) -> float:
     """The multiplier under which a curve with a peak ends: the stop value, or, where that is the
-    default, a share of the peak that is less."""
-    if stop_multiplier != tolerances.STOP_MULTIPLIER or highest <= stop_multiplier:
+    default, a share of the peak that is less; of a peak that is followed at all."""
+    if stop_multiplier != tolerances.STOP_MULTIPLIER or highest <= tolerances.LEAST_LOAD:
         return stop_multiplier
     return min(stop_multiplier, tolerances.STOP_SHARE * highest)
 
@@ -64,7 +64,8 @@ def fallen_freely(highest: float, stop_multiplier: float) -> End:
 
 def collapsed(how: str, highest: float, stop_multiplier: float) -> End:
     """The end in motion: of a complete curve, if ever it carried."""
-    return End(reason=say("end.collapsed", how=how), finished=highest > stop_multiplier)
+    carried = highest > stop_after(highest, stop_multiplier)
+    return End(reason=say("end.collapsed", how=how), finished=carried)
 
 
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:

@@ -212,5 +212,8 @@ class SupportControl(Strategy[_State]):
 
     @staticmethod
     def _fall(report: StepReport) -> End:
+        """A structure whose blocks move on falls; a step that is not solved shows nothing."""
+        if not (report.converged or report.dynamic):
+            return End(reason=say("end.supports_unsolved", why=report.reason))
         why = report.reason or "blocks move on by themselves"
         return End(reason=say("end.supports_fall", why=why), finished=True)

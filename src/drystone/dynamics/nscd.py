@@ -239,6 +239,7 @@ class NscdEngine(Engine[NscdState]):
                 converged=False,
                 reason=reason,
                 motion=motion,
+                dynamic=reason == TOO_FAR,
                 n_iterations=solved.n_sweeps + solved.n_corrections,
             )
         return self._accept(own, state, problem, solved, before, load, motion, demand, ties)

@@ -52,6 +52,7 @@ class EventLog:
         self._monotone = model.history is None  # the control displacement that is asked for
         self._turned: tuple[CurvePoint, Array] | None = None  # rest at the farthest since a jump
         self._rests = False  # whether the last point is at rest
+        self._resting: CurvePoint | None = None  # the last one that is
         self._pose: Array | None = None  # of the last point
         self._moving = False  # whether the structure has moved by itself since
         self._through_motion = False  # whether there was a dynamic point since
@@ -96,7 +97,7 @@ class EventLog:
         Rows of the blocks that have collapsed since the point before.
         """
         if ties is not None:
-            self._see_ties(point, ties)
+            self._see_ties(point, ties, self._resting or point)
         self._rests = at_rest = point.status == STATIC
         rests = at_rest and not (self._monotone and falls(point, self._farthest))
         if at_rest and not rests:
@@ -111,6 +112,8 @@ class EventLog:
             if self._moving:
                 collapsed = self._move(pose)
         self._pose = pose
+        if at_rest:
+            self._resting = point
         if rests:
             jumped = self._moving
             if jumped:
@@ -213,15 +216,16 @@ class EventLog:
             tied[found.block_b[closed]] = False
         return tied
 
-    def _see_ties(self, point: CurvePoint, ties: TieState) -> None:
+    def _see_ties(self, point: CurvePoint, ties: TieState, before_it: CurvePoint) -> None:
+        """Ties that yield at a point, and those that break after the rest ``before_it``."""
         now, before = ties.branch, self._branch
         self._branch = np.array(now)
         yields = (now == YIELDING) & ~self._yielded
         self._yielded |= yields
         breaks = now == BROKEN if before is None else (now == BROKEN) & (before != BROKEN)
-        for kind, rows in (
-            (EventKind.TIE_YIELDED, yields),
-            (EventKind.TIE_BROKEN, breaks),
+        for kind, rows, place in (
+            (EventKind.TIE_YIELDED, yields, point),
+            (EventKind.TIE_BROKEN, breaks, before_it),
         ):
             if rows.any():
                 tied = [self._ties[k] for k in np.flatnonzero(rows)]
@@ -229,9 +233,9 @@ class EventLog:
                 self._events.append(
                     Event(
                         kind=kind,
-                        step=point.step,
-                        control_displacement=point.control_displacement,
-                        load_multiplier=point.load_multiplier,
+                        step=place.step,
+                        control_displacement=place.control_displacement,
+                        load_multiplier=place.load_multiplier,
                         blocks=self._ids(sorted(joined)),
                         ties=tuple(np.array(names_of(self._ties))[rows].tolist()),
                         support_unit=self._support_unit,

@@ -83,21 +83,27 @@ def activation_demand(spectrum: Spectrum, elastic_period: float | None) -> float
 
 
 def sudden_loss(capacity: Capacity) -> float | None:
-    """d* [m] at which more than half of the largest acceleration is lost at once, or None.
+    """d* [m] of the last point before more than half of the largest acceleration is lost at once,
+    or None.
 
     As where a tie or a connection breaks: it ends the SLV, C8.7.1.2.1.8.  At once is within a
-    hundredth of the collapse displacement.
+    hundredth of the collapse displacement, or from one point to the next where an event lies
+    between them: how far a jump leads says nothing of how sudden it is.
     """
     d, a = capacity.spectral_displacement, capacity.spectral_acceleration
     end = capacity.spectral_collapse_displacement
     if end is None:
         return None
-    last = min(int(np.searchsorted(d, end)), len(d) - 1)
-    for i in range(last):
-        within = slice(i, int(np.searchsorted(d, d[i] + SUDDEN * end, side="right")))
-        if a[i] - a[within].min() > LOST * a[: i + 1].max():
-            return float(d[i])
-    return None
+    events = [capacity.spectral_at(place) for place, _ in capacity.losses or ()]
+    found = None
+    for i in range(min(int(np.searchsorted(d, end)), len(d) - 1)):
+        jump = any(d[i] <= place < d[i + 1] for place in events)
+        after = max(int(np.searchsorted(d, d[i] + SUDDEN * end, side="right")), i + 1 + jump)
+        if a[i] - a[i:after].min() > LOST * a[: i + 1].max():
+            found = float(d[i])
+        elif found is not None:
+            break
+    return found
 
 
 def activation_state(

@@ -101,12 +101,18 @@ class TableSpectrum:
         return ()
 
     def sa(self, period: ArrayLike, damping: float) -> Array:
-        """S_e [m/s2] in the shape of ``period`` [s]; damping is a ratio."""
+        """S_e [m/s2] in the shape of ``period`` [s]; damping is a ratio.
+
+        Of another damping than the table's, by eta from T_B = T_C/3 on, NTC 2018 [3.2.5].  The
+        ground itself has no damping: between, S_e = a_g S (1 + (eta F - 1) T/T_B), as of codes.
+        """
         t = periods(period)
         last = float(self.table_period[-1])
         value = np.interp(t, self.table_period, self.table_acceleration)
         value = np.where(t > last, value * (last / np.maximum(t, last)) ** 2, value)
-        return value * (damping_factor(damping) / damping_factor(self.table_damping))
+        more = damping_factor(damping) / damping_factor(self.table_damping) - 1.0
+        before = np.maximum(1.0 - 3.0 * t / self.corner_period, 0.0)
+        return value + more * (value - before * self.table_acceleration[0])
 
     def sd(self, period: ArrayLike, damping: float) -> Array:
         """S_De = S_e (T/2 pi)^2 [m] in the shape of ``period`` [s]."""
