@@ -493,6 +493,31 @@ def test_asce41_refuses_where_strength_falls_too_fast():
     assert ratio == pytest.approx(1.0, abs=0.01)
 
 
+def test_both_procedures_of_the_ntc_stand_on_one_first_branch(monkeypatch):
+    """A drift limit before the peak: B took the branch of the whole curve, 911 against 558 1/s2."""
+    capacity = Capacity.of(
+        [0.0, 0.001, 0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 0.1],
+        [0.0, 0.10, 0.15, 0.2, 0.26, 0.32, 0.36, 0.30, 0.1],
+        participation([1000.0, 1000.0], [1.0, 0.5]),
+        reading="base_shear",
+        collapse_displacement=0.12,
+    )
+    taken, made = [], ntc2018_global._procedure_b
+
+    def seen(capacity, stiffness, *others):
+        taken.append(stiffness)
+        return made(capacity, stiffness, *others)
+
+    monkeypatch.setattr(ntc2018_global, "_procedure_b", seen)
+    own = {"procedure": "B", "dissipation": "low"}
+    settings = Settings.of(method="ntc2018-global", displacement_limits={"SLC": 0.008}, **own)
+    found = assess(capacity, site().scaled(0.05 * GRAVITY), settings).bilinear
+    assert found is not None
+    first = found.yield_acceleration / found.yield_displacement
+    assert taken == [pytest.approx(first, rel=1e-12)]
+    assert first == pytest.approx((2.0 * math.pi / found.period) ** 2, rel=1e-9)
+
+
 @pytest.mark.parametrize("mass_factor", [1.0, 0.8])
 def test_asce41_takes_the_base_shear_over_the_weight(mass_factor):
     """mu = S_a C_m / lambda_y, (7-31); a* = lambda g / e* counted e* once more."""

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drystone.assessment.errors import AssessmentError
+from drystone.assessment.site import missing_motions, motions_asked, spectra_of_site
 from drystone.assessment.spectra import (
     Ec8Spectrum,
     FloorSpectrum,
@@ -23,6 +24,7 @@ from drystone.assessment.spectra.base import largest_displacement
 from drystone.assessment.spectra.ec8 import acceleration_of_return_period
 from drystone.assessment.spectra.ntc2018 import reference_life, return_period
 from drystone.model.assembly import GRAVITY
+from drystone.model.site import Site
 
 #: A corner is looked at from both sides, this share away from it.
 BESIDE = 1e-9
@@ -160,7 +162,11 @@ def test_return_periods():
         2.0, importance="III", spectrum_type=1, ground="A", return_period=2475.0
     )
     assert important.ground_acceleration == pytest.approx(2.0 * 1.2 * 1.7337, abs=5e-4)
-    assert "475" in important.notes[0] and important.return_period == 2475.0
+    assert "475" in important.notes[0]
+    # gamma_I stands for a longer return period: a_g is in proportion to its cube root
+    assert important.return_period == pytest.approx(2475.0 * 1.2**3, rel=1e-12)
+    ratio = important.ground_acceleration / 2.0
+    assert important.return_period == pytest.approx(475.0 * ratio**3, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -318,3 +324,17 @@ def test_what_a_floor_needs():
         height=3.0, building_height=9.0, damping=0.05, participation=1.3, shape=0.4, period=0.3
     )
     assert mode == Mode(period=0.3, participation=1.3, shape=0.4, damping=0.05) and said == ()
+
+
+def test_a_motion_of_its_own_has_no_return_period_of_another():
+    """That of [site] was taken for the SLD, whose motion was then said to be missing."""
+    keys = {"ag": 0.172, "F0": 2.458, "TC_star": 0.285, "soil": "B", "topography": "T1"}
+    site = Site(
+        code="ntc2018",
+        values={**keys, "nominal_life": 50.0, "use": "II", "return_period": 475.0},
+        states={"SLD": {"ag": 0.062, "F0": 2.52, "TC_star": 0.27}},
+    )
+    spectra = spectra_of_site(site)
+    assert spectra["SLV"].return_period == 475.0
+    assert spectra["SLD"].return_period == pytest.approx(return_period(50.0, "SLD"))
+    assert missing_motions(motions_asked(site, ("SLD", "SLV"))) == ()

@@ -11,11 +11,13 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
+from drystone.analysis.directions import towards
 from drystone.assessment.capacity import Capacity, participation
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism import course_of, initial_shape, reduced
 from drystone.assessment.methods.ntc2018_local import sudden_loss
 from drystone.assessment.rocking.block import peak_slope
+from drystone.assessment.verdict import turned
 from drystone.cli import app
 from drystone.io.modelfile import write_model
 from drystone.model.site import Site
@@ -257,3 +259,13 @@ def test_the_same_by_the_command_line_from_model_files_in_both_senses(tmp_path):
         found.append([sense["safety_index"] for sense in senses.values()])
     assert found[0][1] == pytest.approx(found[0][0], rel=1e-6)  # the wall is its own mirror image
     assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("cyclic", [False, True])
+def test_a_control_direction_that_was_named_is_turned_round_with_the_load(cyclic):
+    """It led against the load then, and there was no verdict on the other sense."""
+    model = ds.published_wall(1).with_control(direction=(0.96, 0.28))
+    other = turned(model) if cyclic else towards(model, 180.0)
+    assert other.load_along == pytest.approx([-1.0, 0.0])
+    assert other.control_point.direction[0] == pytest.approx(-0.96)
+    assert other.control_point.block == model.control_point.block or not cyclic

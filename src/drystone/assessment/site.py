@@ -78,7 +78,7 @@ def motions_asked(site: Site, states: Sequence[str]) -> tuple[MotionAsked, ...]:
         return ()
     found = []
     for name in states:
-        values = {**site.values, **site.states.get(name, {})}
+        values = _of_state(site, name)
         if name not in PROBABILITIES or "nominal_life" not in values or "use" not in values:
             continue
         life = reference_life(values["nominal_life"], values["use"])
@@ -135,9 +135,21 @@ def spectra_of_site(site: Site) -> Spectra:
                 spectra[name] = _at_height(site, _spectrum(site, name, site.values))
             if site.states.keys() <= RETURN_PERIODS.keys():
                 spectra[""] = own
-    for name, values in site.states.items():
-        spectra[name] = _at_height(site, _spectrum(site, name, {**site.values, **values}))
+    for name in site.states:
+        spectra[name] = _at_height(site, _spectrum(site, name, _of_state(site, name)))
     return spectra
+
+
+def _of_state(site: Site, name: str) -> dict[str, Any]:
+    """The keys of [site] with those of a limit state's own table over them.
+
+    A motion of its own has a return period of its own, or that of the state.
+    """
+    own = site.states.get(name, {})
+    values = {**site.values, **own}
+    if ("ag" in own or "file" in own) and "return_period" not in own:
+        values.pop("return_period", None)
+    return values
 
 
 def _complete(site: Site) -> bool:

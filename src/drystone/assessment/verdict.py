@@ -240,8 +240,14 @@ def in_one_sense(
 def turned(model: Model) -> Model:
     """The model under the load turned round, with the same control point, which is followed the
     other way; `ValueError` or `ModelError` of a pattern that has one sense."""
+    from drystone.model.construction.vary import control_beside_default, remade
+
     control = replace(model.control_point, direction=-model.control_point.direction)
-    return replace(model.with_load(direction=(-model.load_along).tolist()), control_point=control)
+    named = control_beside_default(model)
+    if named["control_direction"] is not None:
+        named["control_direction"] = control.direction
+    other = remade(model, load_direction=(-model.load_along).tolist(), **named)
+    return replace(other, control_point=control)
 
 
 def of_the_whole(curve: CapacityCurve, model: Model) -> CapacityCurve:

@@ -270,13 +270,14 @@ def _fail_if_interrupted(curve: CapacityCurve, folder: Path, ask: Tracing) -> No
 
 def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
     """The model under the load turned round; where it cannot be traced, why."""
+    from drystone.analysis.directions import towards
     from drystone.engines.base import EngineError
     from drystone.model.construction.errors import ModelError
 
     turned = model
     try:
         turned = replace(
-            model.with_load(direction=(-model.load_along).tolist()),
+            towards(model, 180.0),
             title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
         )
         return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)

@@ -301,13 +301,14 @@ def _of_senses(task: Task, model: Any, along: Any) -> dict[str, Any]:
     along
         Verdict on the sense that the load has.
     """
+    from drystone.analysis.directions import towards
     from drystone.assessment.errors import AssessmentError
     from drystone.assessment.verdict import severity
     from drystone.engines.base import EngineError
     from drystone.io.results.senses import FORWARD, OPPOSITE
 
     try:
-        turned = model.with_load(direction=(-model.load_along).tolist())
+        turned = towards(model, 180.0)
         curve = _traced(task, turned)
         against = curve.assess(turned)
     except (AssessmentError, EngineError, ModelError, ValueError) as error:

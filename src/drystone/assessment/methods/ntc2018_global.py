@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.assessment.bilinear import SECANT_SHARE, Bilinear, bilinear, initial_stiffness
+from drystone.assessment.bilinear import SECANT_SHARE, Bilinear, bilinear
 from drystone.assessment.capacity import Capacity
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import common, in_plane
@@ -243,10 +243,9 @@ def _state(
     )
 
 
-def _procedure(
-    capacity: Capacity, curve: Bilinear, share: float, settings: Settings
-) -> tuple[_Procedure, str]:
-    """Procedure A or B of the settings, and what was assumed."""
+def _procedure(capacity: Capacity, curve: Bilinear, settings: Settings) -> tuple[_Procedure, str]:
+    """Procedure A or B of the settings, both with the bilinear's first branch, and what was
+    assumed."""
     name = settings.get("procedure") or "A"
     if name == "A":
         return _procedure_a(curve), say("ntc2018_global.procedure_a")
@@ -257,8 +256,7 @@ def _procedure(
     )
     if kind not in DISSIPATION:
         raise AssessmentError(f'dissipation "{kind}" is not known: {", ".join(DISSIPATION)}')
-    d, a = capacity.spectral_displacement, capacity.spectral_acceleration
-    stiffness = initial_stiffness(d, a, share)
+    stiffness = curve.yield_acceleration / curve.yield_displacement
     ultimate = curve.ultimate_displacement
     factor = DISSIPATION[kind]
     said = say("ntc2018_global.procedure_b", kind=say(f"ntc2018_global.{kind}"), factor=factor)
@@ -288,7 +286,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         ultimate=ultimate,
         secant_share=share,
     )
-    procedure, said = _procedure(c, curve, share, settings)
+    procedure, said = _procedure(c, curve, settings)
     limits = limit_displacements(curve, ultimate, c, settings)
     found = [
         _state(name, limits[name], c, curve, procedure, spectrum, name in verified)

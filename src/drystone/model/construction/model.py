@@ -158,7 +158,7 @@ def make_model(
         assembly=assembly,
         load=pattern,
         dead_loads=tuple(dead_loads),
-        ties=tuple(ties),
+        ties=tuple(sorted(ties, key=lambda tie: tie.spring)),  # as files list them
         settlement=settlement,
         control_point=control,
         history=history,

@@ -11,8 +11,8 @@ move.  Of the lowest modes that one counts which has the largest mass along the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -69,7 +69,7 @@ class ModalPattern(Directed):
     name: ClassVar[str] = "modal"
     horizontal: ClassVar[bool] = True
     known: WeakKeyDictionary[Assembly, tuple[Masses, Mode]] = field(
-        default_factory=WeakKeyDictionary, repr=False
+        default_factory=WeakKeyDictionary, repr=False, init=False
     )
 
     def forces(self, assembly: Assembly, masses: Masses = NO_MASSES) -> DeadForces:
@@ -80,10 +80,6 @@ class ModalPattern(Directed):
         return masses.forces_in_place(
             assembly, [(values / mean)[:, None] * self.direction for values in along]
         )
-
-    def towards(self, direction: Array) -> Self:
-        """See `LoadPattern`."""
-        return replace(self, direction=direction, known=WeakKeyDictionary())
 
     def __getstate__(self) -> dict[str, Any]:
         """What goes to another process: modes are found again there."""
