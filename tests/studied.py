@@ -65,6 +65,9 @@ def line(x):
 def step(x):
     return {"y": 5.0 * (x["a"] >= 4.0)}
 
+def noisy(x):
+    return {"y": x["a"] * (x["seed"] % 2**20) / 2**20}
+
 def capacity(x):
     return {"capacity": x["a"]}
 

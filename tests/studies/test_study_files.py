@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from drystone.studies import paths
+from drystone.studies import digests, paths
 from drystone.studies.errors import StudyError
 from drystone.studies.read import read_study
 from studied import BASE, written
@@ -63,6 +63,12 @@ def test_a_study_is_read(read):
             "range = [0.4, 0.8]\n mean = 1.0",
             "has mean, which belongs to a",
         ),
+        ("range = [0.4, 0.8]", "range = [0.4, 0.8]\n whole = true", "range: has no whole number"),
+        (
+            "range = [0.4, 0.8]",
+            'distribution = "norm"\n mean = 0.6\n std = 0.1\n bounds = [9.0, 10.0]',
+            "has no probability between its bounds",
+        ),
         ("range = [0.4, 0.8]", 'distribution = "normal"', 'did you mean "norm"'),
         ("range = [0.4, 0.8]", 'distribution = "norm"\n mean = 0.6', "one of mean and std"),
         ("range = [0.4, 0.8]", 'distribution = "gamma"', "needs a in shapes"),
@@ -85,6 +91,81 @@ def test_what_is_wrong_is_said(read, old, new, said):
         read(GOOD.replace(old, new))
     assert said in str(error.value)
     assert all("study.toml: " in problem for problem in error.value.problems)
+
+
+NAMING = """
+[site]
+code = "table"
+[site.SLV.spectrum]
+file = "spectrum.csv"
+[[import]]
+file = "arch.stl"
+[control]
+history = "history.txt"
+"""
+NAMED = {
+    "spectrum.csv": "0, 1",
+    "arch.stl": "solid",
+    "history.txt": "0.01",
+    "first.txt": "1",
+    "second.txt": "2",
+}
+HISTORIES = GOOD.replace("joint.friction_coefficient", "control.history").replace(
+    "range = [0.4, 0.8]", 'values = ["first.txt", "second.txt"]'
+)
+
+
+def test_a_study_is_the_same_in_another_folder_and_another_with_another_file(tmp_path):
+    """Of the model itself, of what it names, and of what values of a parameter name."""
+    prints = {}
+    for changed in ("", "copied", *NAMED, "wall.toml"):
+        folder = tmp_path / (changed or "first")
+        folder.mkdir()
+        files = {"wall.toml": WALL + NAMING, **NAMED}
+        for name, text in files.items():
+            more = {"wall.toml": "[analysis]\nmax_displacement = 0.1\n"}.get(name, "3\n")
+            (folder / name).write_text(text + (more if name == changed else ""))
+        prints[changed] = read_study(written(folder, HISTORIES)).fingerprint
+    assert prints.pop("") == (copied := prints.pop("copied"))
+    assert copied not in prints.values() and len(set(prints.values())) == len(prints) == 6
+
+
+def test_titles_and_models_of_another_name_are_the_same_study(read, tmp_path):
+    first = read(GOOD).fingerprint
+    (tmp_path / "other.toml").write_text(WALL)
+    other = GOOD.replace("wall.toml", "other.toml").replace("design", 'title = "x"\n    design')
+    assert read(other).fingerprint == first
+    assert read(GOOD.replace("0.8", "0.9")).fingerprint != first
+
+
+@pytest.mark.parametrize(
+    ("text", "package", "names"),
+    [
+        ("import a.b, c", "", {"a.b", "c"}),
+        ("from a import b as x", "", {"a", "a.b"}),
+        ("from . import b", "p.q", {"p.q", "p.q.b"}),
+        ("from ..a import b", "p.q", {"p.a", "p.a.b"}),
+        ("def f(): import d", "", {"d"}),
+        ("no python", "", set()),
+    ],
+)
+def test_imports_of_a_module_are_read_from_its_text(text, package, names):
+    assert set(digests._imported(text.encode(), package)) == names
+
+
+def test_modules_of_the_folder_count_wherever_the_function_is_named(tmp_path, monkeypatch):
+    """A module by Python's path with a package beside the study, read without importing it."""
+    (tmp_path / "path").mkdir()
+    (tmp_path / "path" / "mine.py").write_text("from beside.deep import x\nraise RuntimeError\n")
+    (tmp_path / "beside").mkdir()
+    (tmp_path / "beside" / "__init__.py").write_text("")
+    (tmp_path / "beside" / "deep.py").write_text("from . import other\nimport numpy\n")
+    (tmp_path / "beside" / "other.py").write_text("import beside.deep\n")
+    monkeypatch.syspath_prepend(str(tmp_path / "path"))
+    study = read_study(written(tmp_path, GOOD), function="mine:f")
+    assert [name for name in study.digests if name.startswith('"')] == [
+        '"beside/__init__.py"', '"beside/deep.py"', '"beside/other.py"', '"mine.py"'
+    ]  # fmt: skip
 
 
 def test_correlations_are_checked(read):

@@ -94,6 +94,46 @@ def test_morris_intervals_hold_the_mean_absolute_effect(tmp_path):
     assert (tmp_path / "few" / "indices.png").stat().st_size > 5000
 
 
+NOISY = """
+    function = "FUNCTIONS:noisy"
+    design = "saltelli"
+    samples = 1024
+    second_order = true
+    [[parameter]]
+    path = "a"
+    range = [0.0, 1.0]
+    [[parameter]]
+    path = "b"
+    range = [0.0, 1.0]
+"""
+
+
+def test_what_the_seed_makes_is_credited_to_no_parameter(tmp_path):
+    """y = a u, with u uniform by the seed and b without effect.  V = 1/9 - 1/16 = 7/144,
+    V_a = E[u]^2/12 = 1/48, V_b = V_ab = 0, and E[Var(y | u, b)] = E[u^2]/12 = 1/36."""
+    ds.study(written(tmp_path, NOISY), out=tmp_path / "out", workers=1, figures=False)
+    told = record(tmp_path / "out")["indices"]["y"]
+    a, b = (told["parameters"][name] for name in "ab")
+    assert a["first"] == pytest.approx(3 / 7, abs=a["first_confidence"])
+    assert a["total"] == pytest.approx(4 / 7, abs=a["total_confidence"])
+    assert a["first_confidence"] < 0.11  # far from 4/7, which one seed for A and B gives
+    assert b["first"] == b["total"] == 0.0
+    ((_, _, second, confidence),) = told["second"]
+    assert second == pytest.approx(0.0, abs=confidence)
+
+
+def test_what_the_seed_makes_is_no_elementary_effect(tmp_path):
+    """An effect of a is u: one half in the mean, with a deviation of the root of 1/12."""
+    text = NOISY.replace("saltelli", "morris").replace("second_order = true", "")
+    text = text.replace("1024", "400")
+    ds.study(written(tmp_path, text), out=tmp_path / "out", workers=1, figures=False)
+    found = record(tmp_path / "out")["indices"]["y"]["parameters"]
+    assert found["b"]["mu_star"] == found["b"]["sigma"] == 0.0
+    assert found["a"]["mu"] == found["a"]["mu_star"]
+    assert found["a"]["mu_star"] == pytest.approx(0.5, abs=found["a"]["mu_star_confidence"])
+    assert found["a"]["sigma"] == pytest.approx(12**-0.5, rel=0.1)
+
+
 def test_base_samples_with_a_failure_are_left_out_of_indices(tmp_path):
     text = ISHIGAMI.replace(":ishigami", ":sometimes").replace("1024", "64")
     text = text.replace(f"[-{math.pi!r}, {math.pi!r}]", "[0.0, 0.76]")

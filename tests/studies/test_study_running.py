@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -48,6 +50,19 @@ def test_a_longer_study_begins_as_the_shorter_one_and_goes_on_with_it(tmp_path):
     ds.study(long, out=tmp_path / "grown", workers=1, figures=False, resume=True)
     ds.study(long, out=tmp_path / "whole", workers=1, figures=False)
     assert_same(tmp_path / "grown", tmp_path / "whole")
+
+
+def test_a_shorter_study_is_cut_from_the_longer_one(tmp_path):
+    short = written(tmp_path, WAVE.replace("400", "100"), "short.toml")
+    long = written(tmp_path, WAVE)
+    ds.study(long, out=tmp_path / "cut", workers=1, figures=False)
+    frame = ds.study(short, out=tmp_path / "cut", workers=1, figures=False, resume=True)
+    ds.study(short, out=tmp_path / "whole", workers=1, figures=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+    told = json.loads((tmp_path / "cut" / "study.json").read_text())
+    assert len(frame) == told["n_samples"] == told["columns"]["y"]["n"] == 100
+    ds.study(long, out=tmp_path / "cut", workers=1, figures=False, resume=True)
+    assert len(rows(tmp_path / "cut")) == 400
 
 
 def some_are_there(folder):
@@ -115,6 +130,33 @@ def test_a_folder_is_not_written_over(tmp_path):
         ds.study(file, out=tmp_path / "new", resume=True, figures=False)
 
 
+HELPED = "from helper import twice\n\ndef f(x):\n    return {'y': twice(x['a'])}\n"
+HELPER = "def twice(a):\n    return 2.0 * a\n"
+
+
+@pytest.mark.parametrize("changed", ["own.py", "helper.py"])
+def test_a_function_that_has_changed_is_another_study(tmp_path, changed):
+    file = written(tmp_path, WAVE.replace("FUNCTIONS:wave", "own:f").replace("400", "5"))
+    (tmp_path / "own.py").write_text(HELPED)
+    (tmp_path / "helper.py").write_text(HELPER)
+    ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    ds.study(file, out=tmp_path / "out", workers=1, figures=False, resume=True)
+    (tmp_path / changed).write_text((tmp_path / changed).read_text() + "\n\nONE = 1\n")
+    with pytest.raises(OutputError, match=f'another study .* they differ in "{changed}": choose'):
+        ds.study(file, out=tmp_path / "out", workers=1, figures=False, resume=True)
+
+
+def test_a_folder_of_an_earlier_version_is_told(tmp_path):
+    file = written(tmp_path, WAVE.replace("400", "5"))
+    ds.study(file, out=tmp_path / "out", workers=1, figures=False)
+    record = tmp_path / "out" / "study.json"
+    held = json.loads(record.read_text())
+    del held["digests"]
+    record.write_text(json.dumps(held | {"fingerprint": "0" * 64}))
+    with pytest.raises(OutputError, match=r"is of an earlier version, .*: choose another folder"):
+        ds.study(file, out=tmp_path / "out", workers=1, figures=False, resume=True)
+
+
 def test_a_sample_that_fails_is_told_and_the_study_goes_on(tmp_path):
     file = written(tmp_path, WAVE.replace(":wave", ":sometimes"))
     frame = ds.study(file, out=tmp_path / "out", workers=1, figures=False)
@@ -158,6 +200,57 @@ def test_parts_become_one_table_in_order(tmp_path, monkeypatch):
     assert curves["sample"].tolist() == sorted(list(range(50)) * 4)
     np.testing.assert_array_equal(curves["load_multiplier"][4:8], curve[1] + 1)
     assert not (tmp_path / "parts").exists()
+
+
+def test_tables_that_were_merged_beside_their_parts_hold_samples_once(tmp_path):
+    """Killed before any part was removed, or after some of them, or while a table was moved."""
+    parts = tables.Parts(tmp_path / "done")
+    curve = np.arange(8.0).reshape(2, 4)
+    for begin in range(0, 12, 4):
+        row = {"status": "failed", "reason": "none"}
+        parts.write(
+            [Outcome(row={"sample": k, **row}, curve=curve + k, model="{}")
+             for k in range(begin, begin + 4)]
+        )  # fmt: skip
+    shutil.copytree(tmp_path / "done" / "parts", tmp_path / "kept")
+    parts.merge()
+    removed = [path.name for kind in tables.KINDS
+               for path in sorted((tmp_path / "kept").glob(f"{kind[:-8]}-*"))]  # fmt: skip
+    assert len(removed) == 9
+    names = [kind for kind in tables.KINDS if (tmp_path / "done" / kind).exists()]
+    assert len(names) == 3
+    for n in range(len(removed) + 1):
+        own = tmp_path / f"removed-{n}"
+        shutil.copytree(tmp_path / "done", own)
+        shutil.copytree(tmp_path / "kept", own / "parts")
+        for name in removed[:n]:
+            (own / "parts" / name).unlink()
+    for n in range(len(names)):
+        own = tmp_path / f"moved-{n}"
+        shutil.copytree(tmp_path / "done", own)
+        (own / "parts").mkdir()
+        for name in names[:n]:
+            (own / name).rename(own / "parts" / f"{name[:-8]}-000000.parquet")
+    for own in [*tmp_path.glob("removed-*"), *tmp_path.glob("moved-*")]:
+        tables.Parts(own).reopen()
+        assert tables.Parts(own).done(12).all()
+        tables.Parts(own).merge()
+        for name in names:
+            frame, whole = (pd.read_parquet(folder / name) for folder in (own, tmp_path / "done"))
+            pd.testing.assert_frame_equal(frame, whole)
+
+
+def test_killed_before_parts_were_removed_it_goes_on(tmp_path, monkeypatch):
+    file = written(tmp_path, WAVE.replace("400", "20"))
+    ds.study(file, out=tmp_path / "whole", workers=1, figures=False)
+    with monkeypatch.context() as patched:
+        patched.setattr(tables.Parts, "discard", lambda self: sys.exit(9))
+        with pytest.raises(SystemExit):
+            ds.study(file, out=tmp_path / "killed", workers=1, figures=False)
+    assert (tmp_path / "killed" / "samples.parquet").exists()
+    assert list((tmp_path / "killed" / "parts").glob("samples-*"))
+    ds.study(file, out=tmp_path / "killed", workers=1, figures=False, resume=True)
+    assert_same(tmp_path / "whole", tmp_path / "killed")
 
 
 def test_what_was_half_written_is_computed_again(tmp_path):

@@ -8,6 +8,7 @@ import random
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -130,6 +131,39 @@ def test_two_parameters_are_a_map(tmp_path):
     found = record(tmp_path / "out")
     assert found["n_runs"] == 9 * 5
     assert found["contour"] and all(2.0 * a + b == pytest.approx(3.0) for a, b in found["contour"])
+
+
+def test_all_runs_of_a_search_have_the_seed_of_the_study(tmp_path):
+    """y = a u, with u by the seed: a function of a, and of the study's seed."""
+    text = LINE.replace(":line", ":noisy").replace("value = 3.0", "value = 0.1")
+    frame = ds.study(written(tmp_path, text), out=tmp_path / "out", figures=False)
+    assert frame["seed"].nunique() == 1
+    slope = (int(frame["seed"][0]) % 2**20) / 2**20
+    assert record(tmp_path / "out")["value"] == pytest.approx(0.1 / slope, rel=1e-6)
+    other = written(tmp_path, "    seed = 2\n" + text, "other.toml")
+    assert ds.study(other, out=tmp_path / "two", figures=False)["seed"][0] != frame["seed"][0]
+    second = '    [[target.parameter]]\n    path = "b"\n    range = [0.0, 2.0]\n    steps = 3\n'
+    both = written(tmp_path, text + second, "map.toml")
+    frame = ds.study(both, out=tmp_path / "map", workers=1, figures=False)
+    np.testing.assert_array_equal(frame["y"], frame["a"] * slope)
+
+
+X, Y = np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij")
+
+
+@pytest.mark.parametrize(
+    ("z", "line"),
+    [
+        (X, [[1.5, 0.0], [1.5, 1.0], [1.5, 2.0]]),
+        (Y, [[0.0, 1.5], [1.0, 1.5], [2.0, 1.5], [3.0, 1.5]]),
+        (X + Y, [[0.0, 1.5], [0.5, 1.0], [1.0, 0.5], [1.5, 0.0]]),
+        (1.5 * X, [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]),
+        (np.where(X == 2.0, np.nan, X), []),
+    ],
+    ids=["first parameter", "second parameter", "both", "through points", "no number"],
+)
+def test_the_line_on_a_map_is_found_along_either_parameter(z, line):
+    assert target._crossings(X, Y, z, 1.5) == line
 
 
 BLOCK = """

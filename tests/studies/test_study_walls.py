@@ -13,8 +13,10 @@ import pytest
 import drystone as ds
 from drystone.model.assembly import Block, Corner
 from drystone.model.builders import coursed_wall
+from drystone.studies.conduct import extremes_of, run_again
 from drystone.studies.errors import StudyError
 from drystone.studies.imperfections import imperfect
+from drystone.studies.read import read_study
 from drystone.studies.study import Imperfection
 from studied import BASE, HEAD, assert_same, command, written
 
@@ -111,6 +113,64 @@ def test_imperfect_walls_are_the_same_whatever_the_workers_and_run_again_alone(s
     assert summary["peak_multiplier"] == frame["peak_multiplier"][3]
     again = ds.read_model(tmp_path / "one" / "sample_3" / "model.toml")
     assert again.assembly.n_blocks == 10
+
+
+SEARCH = """
+    [imperfection]
+    unit_sizes = 0.05
+    [target]
+    output = "peak_multiplier"
+    value = 0.55
+    tolerance = 0.1
+    [[target.parameter]]
+    path = "joint.friction_coefficient"
+    range = [0.3, 0.8]
+"""
+
+
+def summary_of(folder, sample):
+    return json.loads((folder / f"sample_{sample}" / "summary.json").read_text())
+
+
+@pytest.mark.parametrize("design", ["saltelli", "target"])
+def test_samples_of_one_seed_are_of_one_wall_and_run_again_alone(study, tmp_path, design):
+    """Rows of matrix A, and runs of a search; the numbers are those of the stored seed."""
+    text = STUDY.replace(', "limit"', "").replace("lhs", "saltelli").replace("4", "1", 1)
+    if design == "target":
+        kept = [line for line in text.splitlines() if "design" not in line and "samp" not in line]
+        text = "\n".join(kept[: kept.index("    [[parameter]]")]) + SEARCH
+    file, out = study(text), tmp_path / "out"
+    frame = ds.study(file, out=out, workers=1, figures=False)
+    first = frame[frame["seed"] == frame["seed"][0]]
+    assert len(first) == (3 if design == "saltelli" else len(frame)) > 2
+    asked = read_study(file)
+    for sample in (1, len(frame) - 1):
+        run_again(asked, out, sample)
+        assert summary_of(out, sample)["peak_multiplier"] == frame["peak_multiplier"][sample]
+        assert asked.task.seed_at(sample) == frame["seed"][sample]
+    with pytest.raises(StudyError, match=f"samples 0 to {len(frame) - 1}: give one"):
+        run_again(asked, out, len(frame))
+
+
+def test_a_sample_of_another_study_is_not_run_again_beside_it(study, tmp_path):
+    file, out = study(STUDY.replace("samples = 4", "samples = 1")), tmp_path / "out"
+    ds.study(file, out=out, workers=1, figures=False)
+    (tmp_path / "wall.toml").write_text(WALL.replace("0.65", "0.7"))
+    process = command(file, "--out", out, "--sample", 0)
+    _, told = process.communicate()
+    assert process.returncode != 0 and "they differ in the model: choose another folder" in told
+    assert not (out / "sample_0").exists()
+
+
+def test_extremes_are_those_of_the_stored_seeds(study, tmp_path):
+    """As of a folder whose seeds an earlier version derived in another way."""
+    text = STUDY.replace(', "limit"', "").replace("samples = 4", "samples = 1")
+    out = tmp_path / "out"
+    frame = ds.study(study(text), out=out, workers=1, figures=False)
+    frame.assign(seed=frame["seed"] + 1).to_parquet(out / "samples.parquet")
+    (own,) = extremes_of(out)
+    again = json.loads((own / "summary.json").read_text())["peak_multiplier"]
+    assert again != frame["peak_multiplier"][0]
 
 
 def test_a_model_that_cannot_be_built_is_recorded_with_its_model(study, tmp_path):

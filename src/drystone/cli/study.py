@@ -122,10 +122,11 @@ def study(
 
 
 def _again(asked: Study, folder: Path, sample: int, *, as_json: bool, quiet: bool) -> None:
-    from drystone.studies.conduct import run_again
+    from drystone.studies.conduct import check_same, run_again, values_of
 
+    check_same(asked, folder)
     own = run_again(asked, folder, sample)
-    values = dict(zip(asked.task.names, asked.values_at(sample), strict=True))
+    values = dict(zip(asked.task.names, values_of(asked, folder, sample), strict=True))
     if as_json:
         emit({"status": "done", "sample": sample, "values": values, "directory": str(own)})
     elif not quiet:

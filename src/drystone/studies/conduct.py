@@ -16,6 +16,7 @@ from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import SUMMARY
 from drystone.io.results.summary import plain, write_summary
 from drystone.studies.cluster import ClusterWorkers
+from drystone.studies.digests import documents
 from drystone.studies.errors import StudyError, needed, required
 from drystone.studies.local import LocalWorkers
 from drystone.studies.read import read_study
@@ -128,7 +129,7 @@ def conduct(
             finally:
                 team.end()
         with uninterrupted():
-            in_a_sentence(Parts(folder).merge)
+            in_a_sentence(lambda: Parts(folder).merge(asked.count))
             rate = {"rate": progress.rate, "run_seconds": progress.seconds}
             write_record(asked, folder, {"status": "computed", **rate})
     return progress
@@ -158,10 +159,42 @@ def opened(asked: Study, folder: Path, *, resume: bool) -> None:
             f"{folder} holds a study already: go on with it by --resume, or choose another folder "
             "with --out"
         )
-    if held.get("fingerprint") != asked.fingerprint:
+    check_same(asked, folder, held)
+
+
+def check_same(asked: Study, folder: Path, held: Mapping[str, Any] | None = None) -> None:
+    """See that a folder holds the same study, or none.
+
+    Parameters
+    ----------
+    held
+        What ``study.json`` says, where it was read before.
+
+    Raises
+    ------
+    OutputError
+        It holds another one; the message says where they differ.
+    """
+    held = record_of(folder) if held is None else held
+    if held is not None and held.get("fingerprint") != asked.fingerprint:
         raise OutputError(
-            f"{folder} holds another study than this file says: choose another folder with --out"
+            f"{folder} {_difference(held.get('digests'), asked)}: choose another folder with --out"
         )
+
+
+def _difference(before: Any, asked: Study) -> str:
+    """Why the study of a folder cannot be continued, within a sentence.
+
+    Parameters
+    ----------
+    before
+        Digests that the folder holds; None where an earlier version wrote it.
+    """
+    if not isinstance(before, dict):
+        return "is of an earlier version, which did not record all that its samples follow from"
+    now = asked.digests
+    other = [name for name in dict.fromkeys((*now, *before)) if before.get(name) != now.get(name)]
+    return f"holds another study than this file says: they differ in {' and '.join(other)}"
 
 
 def record_of(folder: Path) -> dict[str, Any] | None:
@@ -187,6 +220,7 @@ def write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
         "outputs": list(asked.task.outputs),
         "version": package_version(),
         "fingerprint": asked.fingerprint,
+        "digests": asked.digests,
         "source": None if asked.source is None else str(asked.source),
         **more,
         "study": plain({**asked.given, "model": asked.task.model}),
@@ -196,12 +230,15 @@ def write_record(asked: Study, folder: Path, more: Mapping[str, Any]) -> None:
 
 
 def _files_of(asked: Study) -> dict[str, str]:
-    """Texts of the files that the model names, by their names."""
+    """Texts of the files that the model and its parameters name, by their names."""
     task = asked.task
     if task.files is not None:
         return dict(task.files)
     folder = Path(task.source or "").parent
-    return {} if task.model is None else texts_named(task.model, folder)
+    found: dict[str, str] = {}
+    for document in documents(asked):
+        found |= texts_named(document, folder)
+    return found
 
 
 def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, Any]:
@@ -220,8 +257,39 @@ def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, A
     return record_of(folder) or {}
 
 
-def run_again(asked: Study, folder: Path, sample: int) -> Path:
+def values_of(asked: Study, folder: Path, sample: int) -> list[Any]:
+    """Values of the parameters of a sample; of a search, those of one of the runs in its folder.
+
+    Raises
+    ------
+    StudyError
+        There is no such sample.
+    """
+    runs: list[dict[str, Any]] = []
+    if asked.target is not None:
+        from drystone.studies.target import RUNS
+
+        if (folder / RUNS).is_file():
+            runs = needed("pyarrow.parquet").read_table(folder / RUNS).to_pylist()
+    n = asked.count if asked.target is None else len(runs)
+    if n == 0:
+        raise StudyError([f"--sample: {folder} holds no runs of this search: begin it first"])
+    if not 0 <= sample < n:
+        raise StudyError(
+            [f"--sample {sample}: the study has samples 0 to {n - 1}: give one of them"]
+        )
+    if asked.target is None:
+        return asked.values_at(sample)
+    return [runs[sample][name] for name in asked.task.names]
+
+
+def run_again(asked: Study, folder: Path, sample: int, seed: int | None = None) -> Path:
     """Run one sample again alone, with all files of ``drystone run``; the folder they are in.
+
+    Parameters
+    ----------
+    seed
+        That its row holds; by default it is derived from that of the study.
 
     Raises
     ------
@@ -233,17 +301,11 @@ def run_again(asked: Study, folder: Path, sample: int) -> Path:
     from drystone.report.folder.directory import ResultsDirectory
     from drystone.studies.sample import digest_of, document_of, model_of
 
-    if not 0 <= sample < asked.count:
-        raise StudyError(
-            [f"--sample {sample}: the study has samples 0 to {asked.count - 1}: give one of them"]
-        )
     if asked.task.function is not None:
         raise StudyError(["--sample: a function has no curve: call it from Python"])
-    from drystone.studies.designs import seed_of
-
     task = asked.task
-    document = document_of(task, asked.values_at(sample))
-    seed = seed_of(asked.seed, sample)
+    document = document_of(task, values_of(asked, folder, sample))
+    seed = task.seed_at(sample) if seed is None else seed
     model = model_of(task, document, seed, digest_of(document))
     own = folder / f"sample_{sample}"
     with ResultsDirectory(own, beside=limits_beside(model)) as results:
@@ -279,6 +341,7 @@ def extremes_of(folder: Path) -> list[Path]:
         own = folder / f"sample_{sample}"
         if not (own / SUMMARY).is_file():
             kept = read_study(record["study"], files=record.get("files") or {})
-            run_again(kept, folder, sample)
+            rows = read_samples(folder, ["sample", "seed"]).set_index("sample")
+            run_again(kept, folder, sample, int(rows["seed"][sample]))
         found.append(own)
     return found

@@ -113,7 +113,38 @@ def _correlated(unit: Array, correlation: Array) -> Array:
     return np.asarray(norm.cdf(scores))
 
 
-def seed_of(seed: int, sample: int) -> int:
-    """The seed of a sample, by the study's seed and the sample's number alone."""
-    state = np.random.SeedSequence(entropy=seed, spawn_key=(sample,)).generate_state(1, np.uint64)
+def sharing(design: str, d: int, second_order: bool) -> tuple[int, ...]:
+    """Which samples have the same seed: for each row of a base sample, the number of its seed.
+
+    The seed is one more factor of "saltelli", independent of the parameters: a base sample has one
+    value of it in matrix A, another in B.  Row A and the rows AB_i (A with column i of B) have
+    number 0; row B and the rows BA_i have number 1.  A total index compares A with AB_i, which
+    differ in parameter i alone.  A first index compares B with AB_i, which have parameter i alone
+    in common; a second index compares BA_i with AB_j, which have parameters i and j in common.  So
+    each index is that of its parameters among all factors, and the variance that it is a share of
+    holds what the seed makes.  Of "morris" a trajectory has one seed.  Other designs have one row.
+
+    Parameters
+    ----------
+    d
+        How many parameters there are.
+    """
+    if design == "saltelli":
+        return (0,) * (d + 1) + (1,) * (d + 1 if second_order else 1)
+    return (0,) * (d + 1) if design == "morris" else (0,)
+
+
+def seed_of(seed: int, sample: int, shared: Sequence[int] = (0,)) -> int:
+    """The seed of a sample, by the study's seed and the sample's number alone.
+
+    Parameters
+    ----------
+    shared
+        As of `sharing`; all samples have one seed where it is empty.
+    """
+    number = 0
+    if shared:
+        base, row = divmod(sample, len(shared))
+        number = base * (max(shared) + 1) + shared[row]
+    state = np.random.SeedSequence(entropy=seed, spawn_key=(number,)).generate_state(1, np.uint64)
     return int(state[0] >> np.uint64(1))

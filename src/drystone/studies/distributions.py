@@ -42,16 +42,27 @@ class Uniform:
     high: float
     whole: bool = False
 
+    def __post_init__(self) -> None:
+        if self.whole and self._ends[1] < self._ends[0]:
+            raise DistributionError("has no whole number in its range")
+
+    @property
+    def _ends(self) -> tuple[int, int]:
+        """The lowest and the highest whole number."""
+        return math.ceil(self.low), math.floor(self.high)
+
     def at(self, probability: Array) -> list[Any]:
         """See `Choices`."""
         if self.whole:
-            n = math.floor(self.high) - math.ceil(self.low) + 1
-            return [int(math.ceil(self.low) + min(int(p * n), n - 1)) for p in probability]
+            low, high = self._ends
+            n = high - low + 1
+            return [low + min(int(p * n), n - 1) for p in probability]
         return (self.low + probability * (self.high - self.low)).tolist()
 
     def spread(self, steps: int) -> list[Any]:
         """As many values, from bound to bound."""
-        values = np.linspace(self.low, self.high, steps).tolist()
+        low, high = self._ends if self.whole else (self.low, self.high)
+        values = np.linspace(low, high, steps).tolist()
         return list(dict.fromkeys(map(round, values))) if self.whole else values
 
 
@@ -71,11 +82,32 @@ class Continuous:
 
     def at(self, probability: Array) -> list[Any]:
         """See `Choices`."""
-        law = self._frozen()
+        law, (first, last) = self._frozen(), self._shares()
+        share = first + probability * (last - first)
         with np.errstate(over="ignore"):  # of widths near the least number
-            below, above = law.cdf(self.low), law.cdf(self.high)
-            values = law.ppf(below + probability * (above - below))
+            values = law.isf(share) if self._is_upper else law.ppf(share)
         return np.clip(values, self.low, self.high).tolist()
+
+    @property
+    def _is_upper(self) -> bool:
+        """Whether the bounds lie above the median, where shares of what is above have more digits:
+        that of what is below rounds to 1 beyond 8.3 standard deviations of a normal law."""
+        with np.errstate(over="ignore"):
+            return bool(self._frozen().cdf(self.low) > 0.5)
+
+    def _shares(self) -> tuple[float, float]:
+        """Probabilities at both bounds: of what is below, or of what is above where they lie above
+        the median."""
+        law = self._frozen()
+        with np.errstate(over="ignore"):
+            found = law.sf if self._is_upper else law.cdf
+            return float(found(self.low)), float(found(self.high))
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no number has a probability between the bounds."""
+        first, last = self._shares()
+        return first == last
 
     def spread(self, steps: int) -> list[Any]:
         """As many values of equal probability, each in the middle of its share."""
@@ -137,6 +169,10 @@ def continuous(
     middle = law.at(np.array([0.5]))[0]
     if not math.isfinite(middle):
         raise DistributionError("has no median: check its numbers, and that bounds lie in it")
+    if law.is_empty:
+        raise DistributionError(
+            "has no probability between its bounds: choose bounds that lie in it"
+        )
     return law
 
 

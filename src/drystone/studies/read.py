@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -21,7 +20,7 @@ from drystone.model.construction.describe import model_to_dict
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.studies import paths
-from drystone.studies.designs import count
+from drystone.studies.designs import count, sharing
 from drystone.studies.distributions import (
     Choices,
     DistributionError,
@@ -114,6 +113,7 @@ def _study(
         parameters=tuple(parameters),
         outputs=tuple(dict.fromkeys(section.outputs)),
         seed=section.seed,
+        shared=() if section.target else sharing(design, len(parameters), section.second_order),
         engine=section.engine,
         strategy=section.strategy,
         points=section.points,
@@ -211,7 +211,8 @@ def _laws(section: StudySection, problems: list[str]) -> list[Law]:
         try:
             laws.append(_law(one))
         except DistributionError as error:
-            problems.append(f"parameter[{i}] distribution: {error}")
+            place = "distribution" if one.range is None else "range"
+            problems.append(f"parameter[{i}] {place}: {error}")
             laws.append(Choices(values=(0.0,)))
     return laws
 
@@ -220,8 +221,6 @@ def _law(one: ParameterSection) -> Law:
     if one.values is not None:
         return Choices(values=tuple(one.values))
     if one.range is not None:
-        if one.whole and math.floor(one.range[1]) < math.ceil(one.range[0]):
-            raise DistributionError("has no whole number in its range")
         return Uniform(low=one.range[0], high=one.range[1], whole=one.whole)
     return continuous(
         one.distribution or "",

@@ -24,7 +24,6 @@ from drystone.common.version import package_version
 from drystone.io.results.summary import plain
 from drystone.model.construction.errors import ModelError
 from drystone.studies import paths
-from drystone.studies.designs import seed_of
 from drystone.studies.study import COLUMNS, Task
 
 #: Status of a sample without a result.
@@ -113,7 +112,7 @@ def compute(task: Task, sample: int, values: Sequence[Any]) -> Outcome:
 def begun_row(task: Task, sample: int, values: Sequence[Any]) -> dict[str, Any]:
     """The row of a sample with its seed and values, before anything has come of it."""
     own = {name: _cell(value) for name, value in zip(task.names, values, strict=True)}
-    return {"sample": sample, "seed": seed_of(task.seed, sample), **own}
+    return {"sample": sample, "seed": task.seed_at(sample), **own}
 
 
 def document_of(task: Task, values: Sequence[Any]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -69,6 +69,7 @@ class Task:
     parameters: tuple[Parameter, ...] = ()
     outputs: tuple[str, ...] = ()
     seed: int = 1
+    shared: tuple[int, ...] = (0,)  # which samples have the same seed, see `designs.sharing`
     engine: str | None = None
     strategy: str | None = None
     points: int = 64  # of each curve in curves.parquet
@@ -79,6 +80,14 @@ class Task:
     def names(self) -> tuple[str, ...]:
         """Of the parameters."""
         return tuple(parameter.name for parameter in self.parameters)
+
+    def varying(self, parameter: Parameter) -> Task:
+        """The task with one of its parameters alone."""
+        return replace(self, parameters=(parameter,))
+
+    def seed_at(self, sample: int) -> int:
+        """Of what is drawn for a sample."""
+        return designs.seed_of(self.seed, sample, self.shared)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,16 +136,18 @@ class Study:
         """Values of the parameters of a sample."""
         return [column[sample] for column in self.values]
 
+    @cached_property
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of all that the samples' numbers follow from, beside the version; by what it is.
+
+        It is found once, before samples are computed.  Of designs that grow, how many samples are
+        asked for is no part of it.
+        """
+        from drystone.studies.digests import digests_of
+
+        return digests_of(self)
+
     @property
     def fingerprint(self) -> str:
-        """Digest of all that the samples' numbers follow from, beside the version.
-
-        Of designs that grow, how many samples are asked for is no part of it.
-        """
-        task = self.task
-        left_out = {"title", "fragility", "model", "timeout"}
-        if self.design in designs.GROWING:
-            left_out.add("samples")
-        given = {key: value for key, value in self.given.items() if key not in left_out}
-        text = json.dumps([given, task.model], sort_keys=True, default=str)
-        return hashlib.sha256(text.encode()).hexdigest()
+        """One digest of all of them."""
+        return hashlib.sha256(json.dumps(self.digests, sort_keys=True).encode()).hexdigest()

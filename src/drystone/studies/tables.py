@@ -40,7 +40,14 @@ class Parts:
         self._next = 1 + max((number for number, _ in self._found(SAMPLES)), default=-1)
 
     def reopen(self) -> None:
-        """Take a finished table as the first part again, and leave out what was half written."""
+        """Take a finished table as the first part again, and leave out what was half written.
+
+        A table of samples beside parts of samples has them all: the process that merged them was
+        killed before it removed the parts.
+        """
+        if (self._whole / SAMPLES).exists() and any(self._found(SAMPLES)):
+            self.discard()
+            self._next = 0
         self._folder.mkdir(parents=True, exist_ok=True)
         for draft in self._folder.glob("*.part"):
             draft.unlink()
@@ -80,20 +87,26 @@ class Parts:
                 write_table(tables[kind], self._path(kind, self._next))
         self._next += 1
 
-    def merge(self) -> None:
+    def merge(self, count: int | None = None) -> None:
         """Put all parts in the order of the samples into one table of each kind; then they go.
 
         A window of samples is in memory at a time.
+
+        Parameters
+        ----------
+        count
+            Of samples that the tables have: parts may have more, of a longer study.
         """
         for kind in KINDS:
-            paths = [path for _, path in self._found(kind)]
-            if paths:
+            files = [_Part(path) for _, path in self._found(kind)]
+            files = [file for file in files if count is None or file.first < count]
+            if files:
                 with whole_file(self._whole / kind) as draft:
-                    _merged(paths, draft)
+                    _merged(files, draft, count)
         self.discard()
 
     def discard(self) -> None:
-        """Remove all parts."""
+        """Remove all parts, those of samples last."""
         for kind in KINDS:
             for _, path in self._found(kind):
                 path.unlink()
@@ -168,20 +181,21 @@ def write_table(table: Any, path: Path) -> None:
         needed("pyarrow.parquet").write_table(table, draft, compression="zstd")
 
 
-def _merged(paths: Sequence[Path], draft: Path) -> None:
-    """One table in the order of the samples."""
+def _merged(files: Sequence[_Part], draft: Path, count: int | None) -> None:
+    """One table in the order of the samples, of the first so many."""
     arrow, parquet = needed("pyarrow"), needed("pyarrow.parquet")
-    files = [_Part(path) for path in paths]
     schema = arrow.unify_schemas([file.schema for file in files], promote_options="permissive")
     schema = schema.remove_metadata()
-    last = max(file.last for file in files)
+    end = max(file.last for file in files) + 1
+    end = end if count is None else min(end, count)
     with parquet.ParquetWriter(draft, schema, compression="zstd") as writer:
-        for begin in range(min(file.first for file in files), last + 1, WINDOW):
+        for begin in range(min(file.first for file in files), end, WINDOW):
+            before = min(begin + WINDOW, end)
             own = [
                 table
                 for file in files
-                if file.first < begin + WINDOW and file.last >= begin
-                for table in file.between(begin, begin + WINDOW)
+                if file.first < before and file.last >= begin
+                for table in file.between(begin, before)
             ]
             if own:
                 whole = arrow.concat_tables(own, promote_options="permissive")

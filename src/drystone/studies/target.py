@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from drystone.common.arrays import Array
 from drystone.common.names import quoted, suggestion
 from drystone.io.results.folder import in_a_sentence, locked
 from drystone.studies.distributions import Uniform
@@ -374,15 +375,16 @@ def _map(
     return found
 
 
-def _crossings(x: Any, y: Any, z: Any, value: float) -> list[list[float]]:
-    """Points between neighbours along the second parameter, by linear interpolation."""
-    line = []
-    for row in range(len(x)):
-        for k in range(x.shape[1] - 1):
-            before, after = z[row, k] - value, z[row, k + 1] - value
-            if before * after <= 0.0 and before != after:
-                share = before / (before - after)
-                line.append(
-                    [float(x[row, k]), float(y[row, k] + share * (y[row, k + 1] - y[row, k]))]
-                )
-    return line
+def _crossings(x: Array, y: Array, z: Array, value: float) -> list[list[float]]:
+    """Where the output has the value: at points of the map, and between neighbours along either
+    parameter, by linear interpolation; in the order of the first parameter, then of the second."""
+    off = z - value
+    line = [[float(a), float(b)] for a, b in zip(x[off == 0.0], y[off == 0.0], strict=True)]
+    rows, columns = off.shape
+    pairs = [((i, k), (i, k + 1)) for i in range(rows) for k in range(columns - 1)]
+    pairs += [((i, k), (i + 1, k)) for i in range(rows - 1) for k in range(columns)]
+    for a, b in pairs:
+        if min(off[a], off[b]) < 0.0 < max(off[a], off[b]):
+            share = off[a] / (off[a] - off[b])
+            line.append([float(p[a] + share * (p[b] - p[a])) for p in (x, y)])
+    return sorted(line)

@@ -65,6 +65,11 @@ def read_drawing(path: Path, name: str | None = None, dimension: int | None = No
     return replace(drawing, sha256=_digest(contents, path, kind.beside))
 
 
+def digest_of(path: Path, name: str | None = None) -> str:
+    """That of the `Drawing` of a file, which is not taken apart for it; raises `ModelError`."""
+    return _digest(read_bytes(path, "the file"), path, format_of(path, name).beside)
+
+
 def _digest(contents: bytes, path: Path, beside: tuple[str, ...]) -> str:
     """Of all that was read, as 64 hexadecimal digits; of one file that of its bytes."""
     others = [path.with_name(name) for name in beside if path.with_name(name).is_file()]

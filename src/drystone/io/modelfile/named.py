@@ -1,12 +1,13 @@
-"""Files that a model file names beside drawings: spectra, records, histories of displacements."""
+"""Files that a model file names: spectra, records, histories of displacements; and drawings."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from drystone.model.construction.contents import read_bytes
+from drystone.model.construction.contents import file_named, read_bytes, within
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 from drystone.model.site import FILE
@@ -36,8 +37,44 @@ def texts_named(data: Mapping[str, Any], folder: Path) -> dict[str, str]:
     return found
 
 
+def digests_named(
+    data: Mapping[str, Any], folder: Path, files: Mapping[str, str] | None = None
+) -> dict[str, str]:
+    """SHA-256 of all files that the tables of a model name from a folder, drawings as well.
+
+    Those that cannot be read, or lie outside of the folder, are left out: whoever needs one says
+    so.
+
+    Parameters
+    ----------
+    files
+        Texts of files by their names, of a model that results hold: none is read then.
+    """
+    found = {}
+    for name in files_named(data):
+        try:
+            place = within(folder, name) if files is None else file_named(name, "", files)
+            contents = read_bytes(place, "a file of the model")
+        except ModelError:
+            continue
+        found[name] = hashlib.sha256(contents).hexdigest()
+    tables = data.get("import") if files is None else None
+    for table in tables if isinstance(tables, list | tuple) else ():
+        if not isinstance(table, Mapping) or not isinstance(drawing := table.get(FILE), str):
+            continue
+        from drystone.io.drawings.formats import digest_of  # most models import nothing
+
+        kind = table.get("format")
+        try:
+            place = within(folder, drawing)
+            found[drawing] = digest_of(place, kind if isinstance(kind, str) else None)
+        except ModelError:
+            continue
+    return found
+
+
 def files_named(data: Mapping[str, Any]) -> set[str]:
-    """Names of these files."""
+    """Names of these files, without drawings."""
     found = {name for key in ("site", "assessment") for name in _within(data.get(key))}
     control = data.get("control")
     history = control.get("history") if isinstance(control, Mapping) else None
