@@ -216,3 +216,34 @@ def test_a_point_at_a_rim_stays_from_step_to_step():
     curve = pushover(model, engine="equilibrium")
     assert curve.status == "finished" and curve.residual.max() < 1e-8
     assert curve.column("n_iterations").sum() < 6000
+
+
+def on_its_diagonal(angle, engine, slab):
+    """One column of 0.5 x 0.5 x 2 m, of four drums, or four under a slab, pushed at an angle in
+    degrees."""
+    places = [(x, y) for x in (0.0, 3.0) for y in (0.0, 3.0)] if slab else [(0.0, 0.0)]
+    blocks = [box("ground", (-2.0, -2.0, -0.5), (6.0, 6.0, 0.0), support=True)]
+    for k, (x, y) in enumerate(places):
+        for i in range(1 if slab else 4):
+            low, high = (0.0, 2.0) if slab else (0.5 * i, 0.5 * (i + 1))
+            blocks.append(box(f"c{k}d{i}", (x, y, low), (x + 0.5, y + 0.5, high)))
+    if slab:
+        blocks.append(box("slab", (0.0, 0.0, 2.0), (3.5, 3.5, 2.3)))
+    push = (np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0.0)
+    model = model_of(blocks, joint(0.8, 1e10), push=push)
+    return pushover(model, engine=engine)
+
+
+@pytest.mark.parametrize("slab", [False, True])
+def test_what_rocks_on_corners_falls_to_a_side(slab):
+    """On its diagonal a square column has an equilibrium on one corner up to 0.7 m, which no column
+    stays in: beside the diagonal, and by `distinct`, it rocks on an edge and falls at half of that.
+    Four columns under a slab also spin freely on their corners: the mode that grows hides behind
+    those that are neutral."""
+    along, beside = (on_its_diagonal(angle, "equilibrium", slab) for angle in (45.0, 44.9))
+    assert along.status == beside.status == "finished"
+    assert along.peak.load_multiplier == pytest.approx(beside.peak.load_multiplier, rel=5e-3)
+    # Where the slab leaves the diagonal it is on its way already.
+    end = pytest.approx(beside.ultimate_displacement, rel=0.05 if slab else 0.01)
+    assert along.ultimate_displacement == end
+    assert np.count_nonzero(along.column("unstable")) < 20

@@ -116,7 +116,7 @@ class EquilibriumState:
     softened: bool = False  # whether joints soften, and the slope is with that
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
-    unstable: bool = False  # whether it is an unstable equilibrium
+    unstable: int = 0  # unstable equilibria in a row, this one included
     unchanged: bool = False  # whether no contact changed its state in the last step
     acted: ActedContacts | None = None
 
@@ -422,7 +422,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             begins = StepStart(
                 guesses=tried, multiplier=multiplier, reaction=state.reaction,
                 unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope, was_unstable=state.unstable,
+                slope=np.nan if state.softened else state.slope, unstable=state.unstable,
             )  # fmt: skip
             last = solution.solve(
                 own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,
@@ -617,7 +617,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             softened=solved.softened,
             tangent=solved.tangent,
             kept=own.kept.copy() if isinstance(own, PlaneStep) else None,
-            unstable=solved.unstable,
+            unstable=state.unstable + 1 if solved.unstable else 0,
             unchanged=bool(np.array_equal(then.branch, state.branch)),
             acted=then.acted,
         )

@@ -44,8 +44,10 @@ DEPARTURES = np.geomspace(tolerances.LEAST_DEPARTURE, tolerances.MOST_DEPARTURE,
 class StabilitySettings:
     """Numbers of the search for the lowest modes."""
 
-    #: Modes looked for, and inverse iterations.
+    #: Modes looked for, as many as that where none but neutral ones are found, and inverse
+    #: iterations.
     modes: int = 4
+    most_modes: int = 32
     iterations: int = 4
     #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
     #: over the smallest block's size is 56 of them in the structure's own frame.
@@ -118,13 +120,30 @@ class _Solver(InteriorPoint):
 def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
     """Fields (k, n, n_dof) that the lowest modes are made of, at the equilibrium whose stiffness is
     factorised, with the prescribed displacement fixed, and the matrix (k, k) [s2] of the inverse
-    in them; None where the stiffness is singular."""
+    in them; None where the stiffness is singular.
+
+    Bodies that spin on one point, or joints that slide as a whole, have as many neutral modes.
+    Where none but these are found, more are looked for: one that grows may hide behind them.
+    """
+    # No more vectors than there are motions: what is left of others is rounding.
+    motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
+    motions -= step.prescribed is not None
+    n = min(s.modes, motions)
+    while True:
+        found = _inverse_iterated(step, s, n)
+        if found is None or n >= min(s.most_modes, motions):
+            return found
+        ritz = np.abs(np.linalg.eigvals(found[1]))
+        if not (ritz * s.neutral > 1.0).all():
+            return found
+        n = min(2 * n, motions)
+
+
+def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
+    """So many fields, see `_lowest`."""
     bordered, mass = step.bordered, step.loads.mass
     rng = np.random.default_rng(1)
     free = ~step.loads.fixed[:, None]
-    # No more vectors than there are motions: what is left of others is rounding.
-    motions = int(np.count_nonzero(free)) * mass.shape[1] - (step.prescribed is not None)
-    n = min(s.modes, motions)
     x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
     y = x
     for _ in range(s.iterations):
@@ -194,6 +213,16 @@ def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array |
     return stable, math.nan if tangent is None else slope, tangent
 
 
+def _tries_to_leave(unstable: int) -> bool:
+    """Whether to look for a stable equilibrium after so many unstable ones in a row.
+
+    One alone says little: a stable one nearly always lies within micrometres.  Where they go on,
+    the structure has come to a branch that it would leave.  It is looked for after 1, 2, 4, 8, ...
+    of them, as it may be far by then.
+    """
+    return unstable > 0 and unstable & (unstable - 1) == 0
+
+
 def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
     """Whether a stable equilibrium is found beside the unstable one that the step is at, to either
     side of it by its growing mode.  The step is left there, else where it was.
@@ -237,7 +266,7 @@ class StepStart:
     reaction: Array  # of all contacts, (n_slots, dim) [N]
     unchanged: bool = False  # whether no contact changed its state in the last step
     slope: float = math.nan  # 1/m, of the curve, if it is known
-    was_unstable: bool = False
+    unstable: int = 0  # unstable equilibria in a row, that at the start included
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -335,7 +364,7 @@ def _by_interior(
     stable, end, tangent = True, math.nan, None
     if found and follows:
         stable, end, tangent = _judge(step, settings.stability)
-        if not stable and prescribed is None:
+        if not stable and (prescribed is None or _tries_to_leave(start.unstable)):
             stable = _leave(solver, settings)
             moved = farthest(step.x)
         if not stable and (fold is None or math.isfinite(fold.drop)):
@@ -349,7 +378,7 @@ def _by_interior(
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
     excess, bend = _shape(begun, ended, slope, end, sense * increment)
-    if start.was_unstable and found and follows and stable:
+    if start.unstable and found and follows and stable:
         excess, bend = (0.0, 0.0), (0.0, 0.0)  # left an unstable point: nothing lies between
     # The second guess is along the tangent.
     off = follows and len(start.guesses) > 1 and moved > 0.0
