@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import synthetic
 
+from drystone.cli.run import remarks
 from drystone.contact.forces import ContactForces
 from drystone.io.results import hdf5
 from drystone.io.results.csv import LEADING, write_curve, write_ties
@@ -25,6 +26,7 @@ from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
 from drystone.io.results.paraview import choose_frames
 from drystone.io.results.summary import plain, summarise, to_json
+from drystone.limit.beside import Beside
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.report.folder.pictures import mechanism_row
 from drystone.results.curve import COLUMNS, TieRecord
@@ -553,3 +555,21 @@ def test_mechanism_is_at_the_displacement_asked_for(tmp_path, model, curve, monk
 def test_mechanism_of_a_curve_that_ends_before(curve):
     short = synthetic.curve(end=0.1)
     assert mechanism_row(short, 0.2) == len(short.points) - 1
+
+
+def test_a_series_of_unstable_points_is_told():
+    """A single one says little: a stable equilibrium nearly always lies within micrometres."""
+
+    def marked(*rows):
+        found = synthetic.curve()
+        flagged = [replace(p, unstable=p.step in rows) for p in found.points]
+        return replace(found, points=tuple(flagged))
+
+    assert marked().unstable_branch is None
+    assert marked(*range(0, 60, 2)).unstable_branch is None
+    branch = marked(3, *range(20, 32))
+    x = branch.control_displacement
+    assert branch.unstable_branch == (x[20], x[31])
+    model = synthetic.wall_model()
+    (said,) = (s for s in remarks(branch, model, Beside()) if "unstable branch" in s)
+    assert said.startswith(f"From {x[20]:.4g} m to {x[31]:.4g} m the curve is an unstable branch")

@@ -303,6 +303,8 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f'the control point, on the block "{control}", hardly moves, or goes backwards, in the '
             "mechanism of limit analysis: put [control] on the part that moves"
         )
+    if (branch := curve.unstable_branch) is not None:
+        found.append(say("mechanism.unstable", first=branch[0], last=branch[1]))
     warning = beside.warning(curve, model)
     return [*found, warning] if warning else found
 

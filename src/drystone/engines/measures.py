@@ -147,6 +147,9 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     tells = abs(push) > least
     excess = resistance / push if tells else 0.0
     fall = turned / push if tells else 0.0
+    # Of a pattern without a resultant supports tell nothing: virtual work says what is carried, and
+    # of a structure from rest never more than it is pushed with.
+    carried = carried / loads.total if loads.along.any() else multiplier - max(excess, 0.0)
     settlement, reaction = problem.settlement, 0.0
     applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
@@ -156,8 +159,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     return StepReport(
         converged=True,
         applied_multiplier=multiplier,
-        # Of a pattern without a resultant supports tell nothing.
-        carried_multiplier=carried / loads.total if loads.along.any() else multiplier - excess,
+        carried_multiplier=carried,
         multiplier_at_start=multiplier - excess,
         static_multiplier=multiplier - excess - fall,
         control_displacement=reached,

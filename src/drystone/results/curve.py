@@ -222,6 +222,10 @@ def falls(point: CurvePoint, farthest: float) -> bool:
     return behind and point.status == STATIC and point.load_multiplier < 0.0
 
 
+#: Unstable points in a row from which on they are told of.  Convention: after 1, 2, 4, ... of them
+#: a stable equilibrium was looked for.
+SERIES = 10
+
 #: What of a model makes its curve, beside how it is traced.
 TRACED = ("assembly", "load", "dead_loads", "ties", "settlement", "history")
 
@@ -511,6 +515,22 @@ class CapacityCurve:
     def rises_after_collapse(self) -> bool:
         """Whether what is left after a part has collapsed bears more than the whole did before."""
         return self.peak.load_multiplier > self.capacity.load_multiplier
+
+    @property
+    def unstable_branch(self) -> tuple[float, float] | None:
+        """Control displacements [m] between which the curve is longest an unstable branch; None
+        where nowhere as many as `SERIES` points in a row are unstable.  A single one says little.
+        """
+        series, longest = 0, 0
+        end = -1
+        for k, point in enumerate(self.points):
+            series = series + 1 if point.unstable else 0
+            if series > longest:
+                longest, end = series, k
+        if longest < SERIES:
+            return None
+        x = [self.points[k].control_displacement for k in (end - longest + 1, end)]
+        return min(x), max(x)
 
     @property
     def name_of_peak(self) -> str:

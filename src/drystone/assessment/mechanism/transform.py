@@ -218,6 +218,8 @@ def _notes(
         notes = [say("mechanism.of_blocks", how=shape.clause, blocks=shape.n_moving)]
     if shape.twists:
         notes.append(say("mechanism.twists", torsion=shape.torsion))
+    if (branch := curve.unstable_branch) is not None:
+        notes.append(say("mechanism.unstable", first=branch[0], last=branch[1]))
     if curve.blocks_left:
         names = [f'"{b.block}"' for b in curve.blocks_left[:5]]
         notes.append(say("mechanism.blocks_left", names=names))
