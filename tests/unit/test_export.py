@@ -573,3 +573,24 @@ def test_a_series_of_unstable_points_is_told():
     model = synthetic.wall_model()
     (said,) = (s for s in remarks(branch, model, Beside()) if "unstable branch" in s)
     assert said.startswith(f"From {x[20]:.4g} m to {x[31]:.4g} m the curve is an unstable branch")
+
+
+def test_a_part_that_comes_loose_elsewhere_is_not_the_end():
+    """The control point moves back while the multiplier falls to nothing, and then on again: that
+    was told as the ultimate displacement, before the peak."""
+    path = [
+        (0.0, 0.0),
+        (1e-3, 0.25),
+        (9e-4, 0.2),
+        (3e-4, 0.005),
+        (9e-4, 0.2),
+        (0.1, 0.1),
+        (0.2, 0.005),
+    ]
+    points = tuple(synthetic.point(k, *place) for k, place in enumerate(path))
+    curve = replace(synthetic.curve(), points=points, poses=None, contacts=None)
+    assert curve.stop_multiplier == 0.01
+    assert curve.ultimate_displacement == pytest.approx(0.1 + 0.1 * 0.09 / 0.095, rel=1e-12)
+    # Where nothing is carried any more afterwards it is the end.
+    ended = replace(curve, points=points[:4])
+    assert ended.ultimate_displacement == pytest.approx(9e-4 - 6e-4 * 0.19 / 0.195, rel=1e-12)

@@ -462,14 +462,15 @@ class CapacityCurve:
         the control point back, and the multiplier below the stop value, the displacement is that
         where the jump begins.  If it moves the control point forward, the structure may have
         carried within the jump.  Of a collapse in a jump the displacement is where the jump begins.
-        A drop where a bond breaks, while the control point stays, does not count if the structure
+        A drop where a bond breaks, while the control point stays, or where the control point has
+        moved back behind the peak, as a part comes loose elsewhere, does not count if the structure
         carries more than the stop value once more.
         """
         if self.moves_supports:
             return None
         if self.is_cyclic:
             return self._ultimate_of_cycles
-        top = self.peak.step
+        top, peak_at = self.peak.step, self.peak.control_displacement
         rest = max((p.step for p in self.points if p.status == STATIC), default=0)
         collapse = self.status == FINISHED
         after = [
@@ -484,7 +485,8 @@ class CapacityCurve:
         )
         for before, point in pairwise(after):
             if point.load_multiplier <= self.stop_multiplier < before.load_multiplier:
-                if _stays(before, point) and carries > point.step:
+                behind = point.control_displacement < peak_at
+                if (behind or _stays(before, point)) and carries > point.step:
                     continue
                 if point.jumped and point.control_displacement < before.control_displacement:
                     return before.control_displacement
