@@ -116,6 +116,7 @@ def _row(name: str, found: Results) -> dict[str, Any]:
 
 
 def _table(rows: Sequence[dict[str, Any]]) -> str:
+    from drystone.io.results.summary import rises_after_collapse
     from drystone.model.construction.words import printable
 
     width = max(8, *(len(row["name"]) for row in rows))
@@ -128,7 +129,7 @@ def _table(rows: Sequence[dict[str, Any]]) -> str:
             f"{row['peak_multiplier']:>8.4f} {_metres(row['peak_displacement']):>9} "
             f"{_metres(row['ultimate_displacement']):>9}  {row['status']}"
         )
-        if row["peak_multiplier"] > row["capacity_multiplier"]:
+        if rises_after_collapse(row):
             lines.append(
                 f"{'':<{width}}  {'':<12} {row['capacity_multiplier']:>8.4f} "
                 f"{_metres(row['capacity_displacement']):>9} {'':>9}  before a part collapses; the "

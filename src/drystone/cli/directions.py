@@ -265,7 +265,7 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
     from drystone.common.version import package_version
     from drystone.io.results.folder import in_a_sentence, whole_file
     from drystone.io.results.interrupts import uninterrupted
-    from drystone.io.results.summary import plain, write_summary
+    from drystone.io.results.summary import plain, rises_after_collapse, write_summary
     from drystone.report.directions_figure import Traced, draw_directions
 
     known = [row for row in rows if row.get("peak_multiplier") is not None]
@@ -301,7 +301,7 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
                             angle=row["angle"],
                             curve=row["curve"],
                             capacity=(row["capacity_displacement"], row["capacity_multiplier"]),
-                            rises_after_collapse=_rises_after_collapse(row),
+                            rises_after_collapse=rises_after_collapse(row),
                         )
                         for row in known
                     ],
@@ -340,14 +340,12 @@ def report(summary: dict[str, Any], folder: Path) -> str:
 
 def _strength(row: Mapping[str, Any]) -> str:
     """What the whole structure bears, and what is left of it where that bears more."""
+    from drystone.io.results.summary import rises_after_collapse
+
     capacity, peak = row["capacity_multiplier"], row["peak_multiplier"]
-    if _rises_after_collapse(row):
+    if rises_after_collapse(row):
         return f"capacity {capacity:.4f} before a part collapses, peak {peak:.4f} of what is left"
     return f"{'peak' if row['peak_passed'] else 'highest so far'} {peak:.4f}"
-
-
-def _rises_after_collapse(row: Mapping[str, Any]) -> bool:
-    return bool(row["peak_multiplier"] > row["capacity_multiplier"])
 
 
 def _degrees(angle: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,6 +69,12 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "model_sha256": model.sha256,
     }
     return {key: plain(value) for key, value in summary.items()}
+
+
+def rises_after_collapse(figures: Mapping[str, Any]) -> bool:
+    """Whether what is left after a part has collapsed bears more than the whole did before, by the
+    figures of a summary; see `CapacityCurve.rises_after_collapse`."""
+    return bool(figures["peak_multiplier"] > figures["capacity_multiplier"])
 
 
 def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
