@@ -128,15 +128,16 @@ def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | Non
     # No more vectors than there are motions: what is left of others is rounding.
     motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
     motions -= step.prescribed is not None
-    n = min(s.modes, motions)
+    most = min(s.most_modes, motions)
+    n = min(s.modes, most)
     while True:
         found = _inverse_iterated(step, s, n)
-        if found is None or n >= min(s.most_modes, motions):
+        if found is None or n == most:
             return found
         ritz = np.abs(np.linalg.eigvals(found[1]))
         if not (ritz * s.neutral > 1.0).all():
             return found
-        n = min(2 * n, motions)
+        n = min(2 * n, most)
 
 
 def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
@@ -227,8 +228,8 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
     """Whether a stable equilibrium is found beside the unstable one that the step is at, to either
     side of it by its growing mode.  The step is left there, else where it was.
 
-    Where supports move, a structure with two ways to go, as a portal of which either pier may tilt,
-    has an equilibrium between them, which no structure stays in.
+    A structure with two ways to go, as a portal of which either pier may tilt, or a square column
+    on its diagonal, has an equilibrium between them, which no structure stays in.
     """
     step = solver.step
     way, x, multiplier = _growing(step, settings.stability), step.x.copy(), step.multiplier
