@@ -55,6 +55,11 @@ def test_a_search_that_runs_out_of_runs_says_how_far_it_is(tmp_path):
     assert found["status"] == "stopped" and found["n_runs"] == 5
     assert "stopped after 5 runs, with 0 at a = " in found["sentence"]
     assert " and 5 at " in found["sentence"]
+    # As the sentence advises: it goes on with what it has.
+    more = written(tmp_path, text.replace("most_runs = 5", "most_runs = 100"))
+    ds.study(more, out=tmp_path / "out", figures=False, resume=True)
+    found = record(tmp_path / "out")
+    assert found["status"] == "jump" and found["n_runs"] > 5
 
 
 def test_where_no_value_does_a_sentence_says_so(tmp_path):

@@ -23,6 +23,9 @@ from drystone.studies.study import Study, Task
 #: Keys of a study file that no sample follows from.  The model counts by what it holds.
 LEFT_OUT = ("title", "fragility", "model", "timeout")
 
+#: Keys of [target] that only say when the search is over.
+OVER = ("most_runs", "tolerance")
+
 
 def digests_of(asked: Study) -> dict[str, str]:
     """SHA-256 of all that the samples of a study follow from, by what it is.
@@ -32,6 +35,8 @@ def digests_of(asked: Study) -> dict[str, str]:
     task = asked.task
     left_out = {*LEFT_OUT, *(["samples"] if asked.design in designs.GROWING else [])}
     given = {key: value for key, value in asked.given.items() if key not in left_out}
+    if isinstance(target := given.get("target"), Mapping):
+        given["target"] = {key: value for key, value in target.items() if key not in OVER}
     found = {
         "the study file": _of_keys([given, task.shared]),
         "the model": _of_keys(task.model),
