@@ -116,6 +116,14 @@ class TestOthers:
     def test_a_setting_of_the_analysis_is_a_number(self):
         with pytest.raises(ds.ModelError, match=r'\[analysis\] engin: must be a number, .*"nscd"'):
             stack((0.4, 0.9)).with_analysis(engin="nscd")
+        for setting, said in (
+            ({"event_share": -1.0}, "event_share: must be greater than 0"),
+            ({"stop_multiplier": -5.0}, "stop_multiplier: must be greater than 0"),
+            ({"strategy": "push"}, 'strategy: must be "displacement" or "published"'),
+            ({"falling": "later"}, 'falling: must be "remove" or "stop"'),
+        ):
+            with pytest.raises(ds.ModelError, match=said):
+                ds.published_wall(1).with_analysis(**setting)
 
     def test_corners(self):
         model = stack((0.4, 0.9)).with_corner(radius=0.02)

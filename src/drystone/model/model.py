@@ -11,7 +11,8 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
-from drystone.common.ranges import found
+from drystone.common.names import quoted
+from drystone.common.ranges import RANGES, found
 from drystone.common.vectors import direction_of
 from drystone.geometry.mended import Mended
 from drystone.model.assembly import Assembly, Corner
@@ -25,6 +26,9 @@ from drystone.model.ties import Tie
 
 #: What becomes of an analysis where a part of the structure collapses.
 REMOVE, STOP = "remove", "stop"
+
+#: What settings may be that are words, as in files; engines may come from packages.
+CHOICES = {"strategy": ("displacement", "published"), "falling": (REMOVE, STOP)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -287,15 +291,13 @@ class Model:
         Raises
         ------
         ModelError
-            A setting is no number.
+            A setting is no number, or what none can be.
         """
         wrong = [
             f"[analysis] {name}: must be a number, it is {found(value)}"
             for name, value in options.items()
             if value is not None and not isinstance(value, int | float | np.number)
         ]
-        if wrong:
-            raise ModelError(wrong)
         now = self.analysis
         given = {
             "engine": engine,
@@ -307,6 +309,14 @@ class Model:
             "max_penetration": max_penetration,
         }
         changes: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
+        for name, value in changes.items():
+            problem = RANGES[name].problem(value) if name in RANGES else None
+            if name in CHOICES and value not in CHOICES[name]:
+                problem = f"must be {' or '.join(map(quoted, CHOICES[name]))}, it is {found(value)}"
+            if problem:
+                wrong.append(f"[analysis] {name}: {problem}")
+        if wrong:
+            raise ModelError(wrong)
         merged = {**now.options, **options}
         kept = {name: value for name, value in merged.items() if value is not None}
         analysis = replace(now, options=kept, **changes)
