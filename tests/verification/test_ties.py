@@ -417,7 +417,7 @@ def test_ties_stand_in_the_order_of_files(tmp_path):
 
 @pytest.mark.parametrize("engine", ["equilibrium", "nscd", "distinct"])
 def test_two_blocks_pushed_apart_against_a_tie(engine):
-    """As both go, 1/4 of W and h T/W of the tie, which yields at 600 N where each top has gone
+    """As both go, 1/4 of W and h T/W of the tie, which yields at 600 N where each top has moved
     0.06 m: 0.338; as one goes it is less.  `nscd` told 4.2 of a step whose forces did no work."""
     base = rectangle(-3.0, -1.0, 10.0, 1.0)
     outlines = {"b0": rectangle(0.0, 0.0, 0.5, 2.0), "b1": rectangle(2.0, 0.0, 0.5, 2.0)}

@@ -143,6 +143,7 @@ class Capacity:
         object.__setattr__(self, "control_displacement", d)
         object.__setattr__(self, "load_multiplier", x)
 
+    # Many: what a curve does not tell of itself has a name each.
     @classmethod
     def of(
         cls,

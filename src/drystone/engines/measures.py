@@ -147,9 +147,6 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     tells = abs(push) > least
     excess = resistance / push if tells else 0.0
     fall = turned / push if tells else 0.0
-    # Of a pattern without a resultant supports tell nothing: virtual work says what is carried, and
-    # of a structure from rest never more than it is pushed with.
-    carried = carried / loads.total if loads.along.any() else multiplier - max(excess, 0.0)
     settlement, reaction = problem.settlement, 0.0
     applied = max(abs(multiplier), LEAST_LOAD) if settlement is None else 1.0  # of the weight
     reached = problem.control_point.displacement(assembly, outcome.pose)
@@ -159,7 +156,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     return StepReport(
         converged=True,
         applied_multiplier=multiplier,
-        carried_multiplier=carried,
+        carried_multiplier=_carried(carried, loads, multiplier, excess),
         multiplier_at_start=multiplier - excess,
         static_multiplier=multiplier - excess - fall,
         control_displacement=reached,
@@ -184,6 +181,15 @@ def _friction_of(outcome: StepOutcome, push: float, least: float) -> Sequence[fl
     of_load = outcome.friction[0]
     jams = (push + of_load) * push <= 0.0 or abs(push + of_load) <= least
     return (0.0, 0.0, 0.0) if jams else outcome.friction
+
+
+def _carried(reaction: float, loads: LoadArrays, multiplier: float, excess: float) -> float:
+    """The multiplier that supports carry.
+
+    Of a pattern without a resultant they tell nothing: virtual work says what is carried, and of a
+    structure from rest never more than it is pushed with.
+    """
+    return reaction / loads.total if loads.along.any() else multiplier - max(excess, 0.0)
 
 
 def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> str:

@@ -50,7 +50,7 @@ from drystone.law.bonds import dilating_margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.columns import BROKEN, SLID
 from drystone.law.status import STATUS_OF
-from drystone.model.assembly import Assembly
+from drystone.model.assembly import Assembly, crushes
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
 from drystone.statics import solution, yielding
@@ -119,6 +119,14 @@ class EquilibriumState:
     unstable: int = 0  # unstable equilibria in a row, this one included
     unchanged: bool = False  # whether no contact changed its state in the last step
     acted: ActedContacts | None = None
+
+
+def _to_leave(state: EquilibriumState) -> int:
+    """Unstable equilibria in a row that the structure would leave.
+
+    None where joints are crushed, as they unload at once: modes of the tangent are of one sense.
+    """
+    return 0 if crushes(state.prepared.assembly.laws) else state.unstable
 
 
 class EquilibriumEngine(Engine[EquilibriumState]):
@@ -422,7 +430,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             begins = StepStart(
                 guesses=tried, multiplier=multiplier, reaction=state.reaction,
                 unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope, unstable=state.unstable,
+                slope=np.nan if state.softened else state.slope, unstable=_to_leave(state),
             )  # fmt: skip
             last = solution.solve(
                 own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,

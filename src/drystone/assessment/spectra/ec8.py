@@ -93,9 +93,6 @@ class Ec8Spectrum(ShapedSpectrum):
     ) -> Ec8Spectrum:
         """The spectrum of a_g = gamma_I a_gR (T_R/475)^(1/3).
 
-        The motion's own return period is T_R gamma_I^3: an importance factor stands for a longer
-        one, EN 1998-1 2.1(4).
-
         Parameters
         ----------
         reference_acceleration
@@ -124,7 +121,7 @@ class Ec8Spectrum(ShapedSpectrum):
             ground_acceleration=acceleration,
             spectrum_type=spectrum_type,
             ground=ground,
-            return_period=(return_period or REFERENCE_RETURN_PERIOD) * factor**HAZARD_EXPONENT,
+            return_period=REFERENCE_RETURN_PERIOD if return_period is None else return_period,
             notes=notes,
         )
 
