@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from drystone.common.threads import available
 from drystone.common.workers import in_processes
 from drystone.engines.base import EngineError
 from drystone.model.model import Model
-from drystone.results.curve import CapacityCurve
+from drystone.results.curve import CapacityCurve, CurvePoint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,19 +34,18 @@ class Polar:
     @property
     def peaks(self) -> Array:
         """Highest multiplier of each curve, (n,); nan where there is none."""
-        return np.array(
-            [c.peak.load_multiplier if c is not None and c.points else np.nan for c in self.curves]
-        )
+        return self._multipliers(lambda curve: curve.peak)
 
     @property
     def capacities(self) -> Array:
         """Highest multiplier of each curve before a part of the structure collapses, (n,); nan
         where there is none."""
+        return self._multipliers(lambda curve: curve.capacity)
+
+    def _multipliers(self, of: Callable[[CapacityCurve], CurvePoint]) -> Array:
+        """Of a point of each curve, (n,)."""
         return np.array(
-            [
-                c.capacity.load_multiplier if c is not None and c.points else np.nan
-                for c in self.curves
-            ]
+            [of(c).load_multiplier if c is not None and c.points else np.nan for c in self.curves]
         )
 
     @property

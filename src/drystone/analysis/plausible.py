@@ -12,7 +12,6 @@ from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import EngineError, StepReport
 from drystone.engines.frame import Frame
-from drystone.model.loading.acting import Acting
 from drystone.model.model import Model
 
 #: Load over the weight of the blocks it acts on from which on it is asked whether it locks the
@@ -95,10 +94,9 @@ def _plausible_multiplier(model: Model) -> float:
     """Multiplier at which the load is `PLAUSIBLE_LOAD`; none where supports move in its place."""
     if model.settlement is not None:
         return math.inf
-    acting = Acting.of(model.assembly, model.load, model.dead_loads, model.ties)
-    loaded = acting.pattern.wrenches(model.assembly).any(axis=1)
+    loaded = model.acting.pattern.wrenches(model.assembly).any(axis=1)
     weight = model.assembly.weight[loaded].sum()
-    return PLAUSIBLE_LOAD * float(weight) / acting.total
+    return PLAUSIBLE_LOAD * float(weight) / model.load_force
 
 
 def _deepest(contacts: ContactForces) -> tuple[int, int]:

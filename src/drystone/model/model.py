@@ -113,9 +113,14 @@ class Model:
         return self.load.along(self.assembly)
 
     @cached_property
+    def acting(self) -> Acting:
+        """All that acts on the structure as designed."""
+        return Acting.of(self.assembly, self.load, self.dead_loads, self.ties)
+
+    @property
     def load_force(self) -> float:
         """Sum [N] of the load pattern's forces along `load_along`, at multiplier one."""
-        return Acting.of(self.assembly, self.load, self.dead_loads, self.ties).total
+        return self.acting.total
 
     @property
     def load_shown(self) -> Array | None:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from drystone.results.curve import CapacityCurve
 
 
+Colour = str | tuple[float, float, float]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Traced:
     """A curve and where it leads."""
@@ -75,8 +78,8 @@ def plot_around(polar: Axes, traced: Sequence[Traced]) -> None:
     angle = np.radians([one.angle for one in traced])
     most = np.array([one.capacity[1] for one in traced])
     polar.plot(np.append(angle, angle[0]), np.append(most, most[0]), color=canvas.INK, lw=1.2)
-    for one, a, m in zip(traced, angle, most, strict=True):
-        polar.plot([a], [m], **_mark(one, traced), ms=5)
+    for one, a, m, colour in zip(traced, angle, most, _colours(traced), strict=True):
+        polar.plot([a], [m], **_mark(one, colour), ms=5)
     polar.set_ylim(0.0, 1.1 * max(float(most.max()), 1e-12))
     collapses = any(one.rises_after_collapse for one in traced)
     what = "multiplier before a part collapses" if collapses else "peak multiplier"
@@ -86,12 +89,11 @@ def plot_around(polar: Axes, traced: Sequence[Traced]) -> None:
 
 def plot_directions(axes: Axes, traced: Sequence[Traced]) -> None:
     """Draw all curves; a ring marks where a part collapses that what is left outlasts."""
-    for one in traced:
+    for one, colour in zip(traced, _colours(traced), strict=True):
         x, y = np.array(one.curve, float).T
-        mark = _mark(one, traced)
-        axes.plot(x, y, color=mark["color"], lw=1.2, label=f"{one.angle:g}°")
+        axes.plot(x, y, color=colour, lw=1.2, label=f"{one.angle:g}°")
         if one.rises_after_collapse:
-            axes.plot(*one.capacity, **mark, ms=5, zorder=5)
+            axes.plot(*one.capacity, **_mark(one, colour), ms=5, zorder=5)
     if any(one.rises_after_collapse for one in traced):
         axes.plot([], [], "o", color=canvas.INK, mfc="white", label="before a part collapses", ms=5)
     axes.set_xlabel(f"{DISPLACEMENT} [m]")
@@ -101,18 +103,17 @@ def plot_directions(axes: Axes, traced: Sequence[Traced]) -> None:
     canvas.plain_axes(axes)
 
 
-def _mark(one: Traced, traced: Sequence[Traced]) -> dict[str, Any]:
+def _mark(one: Traced, colour: Colour) -> dict[str, Any]:
     """A dot in the colour of the direction; a ring where a part collapses there."""
-    colour = _colours([each.angle for each in traced])[traced.index(one)]
     ring = {"mfc": "white"} if one.rises_after_collapse else {}
     return {"color": colour, "marker": "o", "ls": "none", **ring}
 
 
-def _colours(angles: Sequence[float]) -> list[str | tuple[float, float, float]]:
+def _colours(traced: Sequence[Traced]) -> list[Colour]:
     """Two that differ most, else around a circle, so that opposite directions differ most."""
-    if len(angles) <= 2:
-        return list(canvas.CURVE_COLOURS[: len(angles)])
+    if len(traced) <= 2:
+        return list(canvas.CURVE_COLOURS[: len(traced)])
     from matplotlib.colors import hsv_to_rgb
 
-    rows = [hsv_to_rgb((angle % 360.0 / 360.0, 0.75, 0.75)) for angle in angles]
+    rows = [hsv_to_rgb((one.angle % 360.0 / 360.0, 0.75, 0.75)) for one in traced]
     return [(float(r), float(g), float(b)) for r, g, b in rows]
