@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from builders import rectangle
+from builders import stack, stiff_joint
 from drystone.assessment.mechanism.envelope import static_envelope
 from drystone.model.construction.errors import ModelError
 from drystone.results.cycles import cycles_of, envelope, reversals
@@ -144,17 +144,8 @@ def test_the_envelope_is_where_it_goes_farther_out():
 
 def rocked(history, pattern=None):
     """A block of 0.5 x 4 m that rocks to and fro, and its curve."""
-    shapes = {"base": ((-1.0, -0.5), (2.0, 0.0)), "b": ((0.0, 0.0), (0.5, 4.0))}
-    blocks = [
-        ds.Block(
-            id=name, vertices=rectangle(*low, high[0] - low[0], high[1] - low[1]),
-            unit_weight=18e3, support=name == "base",
-        )
-        for name, (low, high) in shapes.items()
-    ]  # fmt: skip
-    joint = ds.JointLaw(friction_coefficient=0.8, normal_stiffness=1e11, shear_stiffness=1e11)
-    load = pattern or ds.MassPattern(direction=np.array([1.0, 0.0]))
-    model = ds.make_model(blocks, joint=joint, thickness=1.0, load=load).with_history(history)
+    options = {} if pattern is None else {"load": pattern}
+    model = stack((0.5, 4.0), joint=stiff_joint(0.8), **options).with_history(history)
     return ds.pushover(model, keep_poses=True)
 
 
@@ -167,7 +158,7 @@ def test_a_collapse_in_one_sense_is_none_of_the_other():
         "control_displacement": out.control_displacement,
         "load_multiplier": out.load_multiplier,
     }
-    fallen = Event(kind=EventKind.BLOCK_FALLEN, blocks=("b",), motion=1.0, **place)
+    fallen = Event(kind=EventKind.BLOCK_FALLEN, blocks=("b1",), motion=1.0, **place)
     cut = replace(curve, events=(fallen,)).until(fallen)
     along, against = cut.outward(), cut.outward(-1.0)
     assert (along.status, along.ended_by.step) == ("finished", len(along.points) - 1)

@@ -390,21 +390,11 @@ def test_ties_stand_in_the_order_of_files(tmp_path):
     """Forces of a loaded curve stood under the names of others where a spring came first."""
 
     def ends(height):
-        there = ds.TieEnd(point=np.array([-1.0, height]))
-        return {"start": ds.TieEnd(block="b", point=np.array([0.0, height])), "end": there}
+        there = ds.TieEnd(point=np.array([-1.25, height]))
+        return {"start": ds.TieEnd(block="b1", point=np.array([-0.25, height])), "end": there}
 
-    base, high = rectangle(-1.0, -0.5, 4.0, 0.5), rectangle(0.0, 0.0, 0.5, 2.0)
     rod = ds.Tie(**ends(1.0), stiffness=2e5, yield_force=500.0, compression=False)
-    model = ds.make_model(
-        [
-            ds.Block(id="base", vertices=base, unit_weight=2e4, support=True),
-            ds.Block(id="b", vertices=high, unit_weight=2e4),
-        ],
-        joint=ds.JointLaw(friction_coefficient=0.7, normal_stiffness=1e9, shear_stiffness=1e9),
-        thickness=1.0,
-        load_direction=(1.0, 0.0),
-        ties=(ds.spring(**ends(1.9), stiffness=1e3), rod),
-    )
+    model = stack((0.5, 2.0), ties=(ds.spring(**ends(1.9), stiffness=1e3), rod))
     curve = ds.pushover(model, max_displacement=0.02, keep_poses=True)
     ds.save_results(curve, model, tmp_path / "out")
     loaded = ds.load_results(tmp_path / "out")
