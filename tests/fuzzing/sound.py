@@ -525,8 +525,12 @@ def bodies() -> tuple[str, ...]:
 
 #: What stands beside BODIES.DAT.
 BESIDE_BODIES = {
-    "DRV_DOF.DAT": "$bdyty\n RBDY2  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n"
-    "$bdyty\n RBDY3  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n",
+    "DRV_DOF.DAT": "".join(
+        f"$bdyty\n {kind}  1\n$dofty\n"
+        + "".join(f" vlocy {n} CT= 0.0\n" for n in range(1, most + 1))
+        + "$$$$$$\n"
+        for kind, most in (("RBDY2", 3), ("RBDY3", 6))
+    ),
     "DOF.INI": "! DOF\n$bdyty\n RBDY2  2\n$nodty\n NO3xx  1  X(1)= 0.0  X(2)= 0.0  X(3)= 0.0\n"
     "$$$$$$\n$bdyty\n RBDY3  2\n$nodty\n NO6xx  1  X(1)= 0.0  X(3)= 0.0\n"
     " a(1)= 1.0  a(2)= 0.0  a(3)= 0.0\n b(1)= 0.0  b(2)= 1.0  b(3)= 0.0\n"

@@ -506,12 +506,12 @@ class TestAnimation:
     def test_a_gif_has_its_frames(self, results, tmp_path):
         from PIL import Image
 
-        from drystone.report.animation import animate, chosen_rows
+        from drystone.report.animation import animate
 
         found = ds.load_results(results)
         animate(found.curve, found.model, tmp_path / "fail.gif", n_frames=3)
         with Image.open(tmp_path / "fail.gif") as picture:
-            assert picture.n_frames == len(chosen_rows(found.curve, 3))
+            assert 3 <= picture.n_frames <= 4  # the peak is one of them, or one more
             assert picture.size[0] % 2 == picture.size[1] % 2 == 0
 
     def test_the_command_writes_it_in_place_of_a_page(self, results, tmp_path, monkeypatch):
@@ -541,14 +541,6 @@ class TestAnimation:
         ):
             result = drystone(command, results, "--out", tmp_path / name)
             assert result.exit_code == 2 and said in result.stderr, (command, name)
-
-    def test_rows_hold_both_ends_and_the_peak(self, results):
-        from drystone.report.animation import chosen_rows
-
-        curve = ds.load_results(results).curve
-        rows = chosen_rows(curve, 10)
-        assert {0, len(curve.points) - 1, curve.points.index(curve.peak)} <= set(rows)
-        assert len(rows) <= 13
 
     def test_what_cannot_be_written_is_said(self, results, tmp_path, monkeypatch):
         import sys

@@ -126,6 +126,8 @@ def test_run_hands_its_options_on(here, analysis, reads):
         ("run", "a.toml", "--mechanism-at", "nan"),
         ("benchmark", "--wall", "4"),
         ("benchmark", "--reference", "nowhere"),
+        ("benchmark", "laboratory", "--engine", "nscd"),
+        ("benchmark", "laboratory", "--strategy", "published"),
         ("fly",),
     ],
 )

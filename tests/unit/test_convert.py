@@ -19,7 +19,7 @@ from drystone.cli import app
 from drystone.io.convert import common, convert, itasca, read, target_of
 from drystone.io.modelfile import write_model
 from drystone.model.assembly import Block, Corner
-from drystone.model.builders import ModelError, make_model, published_wall
+from drystone.model.builders import ModelError, extruded, make_model, published_wall
 from drystone.model.history import History
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
@@ -219,12 +219,12 @@ def test_the_file_carries_the_strategy():
     assert values["stop_mult"] == 0.01
 
 
-def run_fish(text: str, wall) -> list[tuple[float, float]]:
-    """Run the file's ``pushover`` on a stand-in for the wall: FISH as Python.
+def fish_as_python(text: str, function: str) -> list[str]:
+    """The body of a FISH function in Python, indented.
 
     The grammar that the strategy is written in is small: assignments, ``if``, ``loop while``.
     """
-    start = text.index("def pushover")
+    start = text.index(f"def {function}")
     body = text[start : text.index("\nend\n", start)].splitlines()[1:]
     python, depth = [], 1
     for raw in body:
@@ -237,9 +237,9 @@ def run_fish(text: str, wall) -> list[tuple[float, float]]:
             continue
         opened = False
         if line.startswith("if "):
-            line, opened = "if " + line[3:].removesuffix(" then").replace(" = ", " == ") + ":", True
+            line, opened = "if " + compared(line[3:].removesuffix(" then")) + ":", True
         elif line.startswith("loop while "):
-            line, opened = "while " + line[11:].replace(" = ", " == ") + ":", True
+            line, opened = "while " + compared(line[11:]) + ":", True
         elif line.startswith(("xtable", "ytable")):
             name, value = line.split(" = ")
             table, row = name[7:-1].split(", ")
@@ -248,10 +248,20 @@ def run_fish(text: str, wall) -> list[tuple[float, float]]:
             line = "lam_c, ctl_u = look(lam)"
         python.append("  " * depth + line)
         depth += opened
+    return python
+
+
+def compared(condition: str) -> str:
+    """A condition of FISH in Python."""
+    return condition.replace(" = ", " == ").replace(" # ", " != ")
+
+
+def run_fish(text: str, wall) -> list[tuple[float, float]]:
+    """Run the file's ``pushover`` on a stand-in for the wall."""
     table: dict = {}
     scope = {**itasca.parse(text).values, "look": wall, "table": table}
     names = ", ".join(f"{key}=0.0" for key in ("lam_c", "ctl_u"))
-    exec(f"def pushover({names}):\n" + "\n".join(python), scope)
+    exec(f"def pushover({names}):\n" + "\n".join(fish_as_python(text, "pushover")), scope)
     scope["pushover"]()
     n = max(row for _, _, row in table)
     return [(table["x", 1, k], table["y", 1, k]) for k in range(1, n + 1)]
@@ -286,6 +296,41 @@ def test_the_strategy_in_fish_is_the_published_one(target, softening, waited):
     descent = applied[peak:]
     assert np.all(np.diff(descent)[1:] <= 0.0)
     assert applied[-1] < 0.01 <= applied[-2]
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (1.0, 1.0), (1.0, -0.5)])
+@pytest.mark.parametrize(
+    ("target", "solid"),
+    [("udec", False), ("3dec", False), ("3dec", True), ("lmgc90", False), ("lmgc90", True)],
+)
+def test_what_is_carried_of_a_load_that_leans(target, solid, direction, monkeypatch):
+    """The supports carry the weight, too, and with it a part along the load: 0.7 of the load at
+    multiplier zero was told where it leads up by 45 degrees."""
+    model = stack((0.4, 1.0), direction=direction)
+    model = extruded(model) if solid else model
+    weight, along, axes = model.assembly.weight, model.load_along, "xyz"[: 3 if solid else 2]
+    text = written(model, target)[0]
+    for multiplier in (0.0, 0.05):
+        force = multiplier * weight[1] * along - weight[1] * np.eye(len(axes))[-1]  # on the support
+        if target == "lmgc90":
+            program = fake_pylmgc90.Chipy(weight, model.assembly.fixed, [], dimension=len(axes))
+            fake_pylmgc90.install(monkeypatch, program)
+            scope: dict = {"__name__": "script"}
+            exec(compile(text, "script", "exec"), scope)
+            scope["begin"]()
+            assert scope["step"](multiplier)[0] == pytest.approx(multiplier, abs=1e-12)
+            continue
+        values = itasca.parse(text).values
+        force -= weight[0] * np.eye(len(axes))[-1]  # programs add it to what acts on a block
+        known = {
+            "block_head": 1, "total": weight[1], **values,
+            "b_fix": lambda body: body == 1, "b_next": {1: 2, 2: 0}.get,
+            "b_mass": dict(enumerate(weight / values["grav"], start=1)).get,
+            **{f"b_{a}force": {1: f, 2: 0.0}.get for a, f in zip(axes, force, strict=True)},
+        }  # fmt: skip
+        body = [*fish_as_python(text, "read_carried"), "  return lam_c"]
+        exec("def read_carried():\n" + "\n".join(body), known)
+        assert known["read_carried"]() == pytest.approx(multiplier, abs=1e-12)
 
 
 def test_the_script_for_lmgc90_runs_the_strategy(monkeypatch, tmp_path):
@@ -335,6 +380,8 @@ CRUSHED = replace(PUBLISHED_JOINT, compressive_strength=1e7)
         ("lmgc90", {}, "rigid in shear"),
         ("udec", {"analysis": Analysis(options={"max_steps": 10.0})}, "max_steps"),
         ("udec", {"control_point": "centre"}, "nearest corner"),
+        ("3dec", {"control_point": "centre"}, "nearest corner"),
+        *((target, {"points": 16}, "16 contact points") for target in ("udec", "3dec", "lmgc90")),
         ("udec", {"joint": CRUSHED}, "compressive_strength left out"),
         ("3dec", {"joint": CRUSHED}, "compressive_strength left out"),
         ("udec", {"history": History(targets=(0.01, -0.01))}, "the history of displacements"),

@@ -107,11 +107,23 @@ class TestObj:
             "each block one",
         )
 
+    def test_a_number_sign_is_a_letter_of_a_name(self, tmp_path):
+        """Elsewhere a comment begins with it."""
+        text = obj_text(brick_wall()[:1]).replace("o c0u0", "o stone #1\nusemtl granite #2")
+        drawing = read_drawing(kept(tmp_path, "a.obj", text.replace("f ", "f ", 1) + "# end #\n"))
+        assert [(shape.name, shape.layer) for shape in drawing.shapes] == [
+            ("stone #1", "granite #2")
+        ]
+
+    @pytest.mark.parametrize("heading", ["o a\n", ""])
+    @pytest.mark.parametrize("sense", [1, -1])
     @pytest.mark.parametrize("again", [(0,), (0, 2), (0, 1, 2, 3, 4, 5)])
-    def test_faces_that_are_drawn_again_the_other_way_round(self, tmp_path, again):
+    def test_faces_that_are_drawn_again(self, tmp_path, again, sense, heading):
+        """In either sense, and also where the surfaces of the file are the blocks."""
         vertices, faces = box((0, 0, 0), (1, 1, 1))
-        doubled = [*faces, *(faces[k][::-1] for k in again)]
-        made = blocks_of(kept(tmp_path, "a.obj", obj_text([("a", vertices, doubled)])))
+        doubled = [*faces, *(faces[k][::sense] for k in again)]
+        text = obj_text([("a", vertices, doubled)]).replace("o a\n", heading)
+        made = blocks_of(kept(tmp_path, "a.obj", text))
         assert volumes(made) == pytest.approx([1.0])
         assert [one.what for one in made.mended] == ["had faces that were drawn twice"]
 
@@ -178,6 +190,11 @@ class TestPly:
     def test_text_keeps_blocks_and_names(self, tmp_path):
         made = blocks_of(kept(tmp_path, "a.ply", ply_format.write(shapes(), "a wall")))
         assert [b.id for b in made.blocks] == [n for n, _, _ in brick_wall()]
+
+    def test_a_block_may_be_called_as_the_end_of_the_header(self, tmp_path):
+        (_, vertices, faces), *_ = brick_wall()
+        text = ply_format.write(shapes([("end_header", vertices, faces)]), "end_header")
+        assert [b.id for b in blocks_of(kept(tmp_path, "a.ply", text)).blocks] == ["end_header"]
 
     @pytest.mark.parametrize("order", ["<", ">"])
     def test_binary_with_other_columns(self, tmp_path, order):
@@ -363,7 +380,9 @@ def bodies_3d(blocks) -> str:
 class TestBodies:
     def test_a_polygon(self, tmp_path):
         (tmp_path / "DRV_DOF.DAT").write_text(
-            "$bdyty\n RBDY2  1\n$dofty\n vlocy 1 CT= 0.0\n$$$$$$\n"
+            "$bdyty\n RBDY2  1\n$dofty\n"
+            + "".join(f" vlocy {n} CT= 0.0\n" for n in (1, 2, 3))
+            + "$$$$$$\n"
         )
         path = kept(tmp_path, "BODIES.DAT", BODIES)
         made = imported(ImportSettings(file=path), lambda layer: (layer, 2e4), 2)
@@ -371,6 +390,39 @@ class TestBodies:
         assert (block.id, block.material, block.groups) == ("rbdy21", "TDURx", ("TDURx", "BLEUx"))
         assert block.support
         assert block.vertices.tolist() == [[0.5, 1.5], [1.5, 1.5], [1.5, 2.5], [0.5, 2.5]]
+
+    @pytest.mark.parametrize(
+        ("rows", "held"),
+        [
+            ("vlocy 2 CT= 0.0\n", ("y",)),
+            ("vlocy 1 0.0 0.0 0.0 0.0 1.0 0.0\nvlocy 3 0.0D0\n", ("x", "turn")),
+            ("force 1 5.0\n", ()),
+        ],
+    )
+    def test_what_is_driven_in_part_is_held_by_rollers(self, tmp_path, rows, held):
+        """It was taken for a support."""
+        (tmp_path / "DRV_DOF.DAT").write_text(f"$bdyty\n RBDY2  1\n$dofty\n{rows}$$$$$$\n")
+        (block,) = blocks_of(kept(tmp_path, "BODIES.DAT", BODIES), up=None).blocks
+        assert not block.support and block.held == held
+
+    @pytest.mark.parametrize(
+        ("row", "said"),
+        [
+            ("vlocy 1 0.5 0.0 0.0 0.0 1.0 0.0", "DRV_DOF.DAT line 4: a body is driven at a speed"),
+            ("vlocy 1 0.0 0.1 6.3 0.0 1.0 0.0", "driven at a speed"),
+            ("vlocy 1 evolution motion.dat", "driven at a speed"),
+        ],
+    )
+    def test_bodies_that_are_driven_at_a_speed_are_refused(self, tmp_path, row, said):
+        (tmp_path / "DRV_DOF.DAT").write_text(f"$bdyty\n RBDY2  1\n$dofty\n{row}\n$$$$$$\n")
+        with pytest.raises(ModelError, match=said):
+            blocks_of(kept(tmp_path, "BODIES.DAT", BODIES), up=None)
+
+    def test_rollers_are_not_turned(self, tmp_path):
+        (tmp_path / "DRV_DOF.DAT").write_text("$bdyty\n RBDY2  1\n$dofty\nvlocy 2 0.0\n$$$$$$\n")
+        path = kept(tmp_path, "BODIES.DAT", BODIES)
+        with pytest.raises(ModelError, match="rollers stay along the axes"):
+            blocks_of(path, up=None, rotation=(30.0,))
 
     def test_polyhedra_along_their_axes_of_inertia(self, tmp_path):
         """As the preprocessor writes them: vertices along axes that DOF.INI has, in columns."""

@@ -87,6 +87,11 @@ class TestPlane:
             assert ("as given" in "".join(made.notes)) == (number == 4 and unit == "m")
         document, space = drawing(0)
         space.add_lwpolyline(SQUARE, close=True)
+        for number, said in ((0, "none"), (14, "Decimeters")):
+            document, space = drawing(number)
+            space.add_lwpolyline(SQUARE, close=True)
+            with pytest.raises(ModelError, match=f"the file says {said}: give"):
+                blocks_of(saved(tmp_path, document))
         with pytest.raises(ModelError, match="unit is missing"):
             blocks_of(saved(tmp_path, document))
 

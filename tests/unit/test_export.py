@@ -24,12 +24,12 @@ from drystone.io.results import hdf5
 from drystone.io.results.csv import LEADING, write_curve, write_ties
 from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
-from drystone.io.results.paraview import choose_frames
 from drystone.io.results.summary import plain, summarise, to_json
 from drystone.limit.beside import Beside
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.report.folder.pictures import mechanism_row
 from drystone.results.curve import COLUMNS, TieRecord
+from drystone.results.frames import rows_along
 
 FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
 PROMISED = {
@@ -200,26 +200,26 @@ def test_killed_process_leaves_its_points(tmp_path):
 # ParaView
 
 
-def test_frames_are_even_in_displacement_not_in_step():
+def test_frames_are_even_along_the_way_not_in_step():
     # Nine tenths of the points lie in the first tenth of the way.
     x = np.concatenate((np.linspace(0.0, 0.1, 900), np.linspace(0.1, 1.0, 101)[1:]))
-    frames = choose_frames(x, keep=[17], count=11)
+    frames = rows_along(x, 11, keep=[17])
     assert frames[0] == 0 and frames[-1] == len(x) - 1 and 17 in frames
     rest = [row for row in frames if row != 17]
     np.testing.assert_allclose(x[rest], np.linspace(0.0, 1.0, 11), atol=1e-2)  # spacing of x
 
 
 def test_frames_of_a_curve_that_turns_back():
+    """Its way back was left out, at displacements that it had been at before."""
     x = np.array([0.0, 0.1, 0.2, 0.15, 0.2, 0.3, 0.25])
-    frames = choose_frames(x, keep=[2], count=100)
-    assert len(set(x[frames])) == len(frames)  # no two grids at one time
-    assert {0, 2, 6} <= set(frames) and frames == sorted(frames)
+    assert rows_along(x, 100, keep=[2]) == list(range(7))
+    to_and_fro = np.concatenate((np.linspace(0.0, 2.0, 101), np.linspace(2.0, 0.0, 101)[1:]))
+    assert rows_along(to_and_fro, 5) == [0, 50, 100, 150, 200]
 
 
 @pytest.mark.parametrize("x", [[], [0.0], [0.0, 0.0], [0.0, 1e-9]])
 def test_frames_of_next_to_nothing(x):
-    frames = choose_frames(np.array(x))
-    assert frames == list(range(len(set(x))))
+    assert rows_along(np.array(x), 100) == list(range(len(x)))
 
 
 def series(path: Path) -> list[tuple[float, str]]:

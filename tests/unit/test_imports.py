@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 import drystone as ds
 from drawn import bent_dome, brick_wall, obj_text
 from drystone.cli import app
+from drystone.io.convert.like import fitting
 from drystone.io.modelfile import read_model
 from drystone.model.builders import ModelError
 from drystone.model.inspection import inspect
@@ -244,6 +245,33 @@ class TestConvert:
         assert "dead_load" not in text
         assert any("[dead_load] left out" in note for note in told["notes"])
 
+    def test_names_of_other_blocks_are_left_out_one_by_one(self, folder, model):
+        """What was written was refused as it was read; what fits stays."""
+        assert run(model, folder / "again.obj")[0] == 0
+        text = model.read_text()
+        like, back = folder / "like.toml", folder / "back.toml"
+        first, second = read_model(model).assembly.ids[:2]
+        law = "friction_coefficient = 0.4\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n"
+        like.write_text(
+            text.replace("[control]", '[control]\nblock = "pier"')
+            + ("" if "[control]" in text else '[control]\nblock = "pier"\n')
+            + f'[joint.between."{first} {second}"]\n{law}[joint.between."base pier"]\n{law}'
+            + f'[assessment]\nmethod = "ec8-n2"\nparts_that_may_fall = ["{first}", "pier"]\n'
+        )
+        given = ("--unit", "m", "--up", "z", "--like", like, "--material", "stone")
+        code, told, _ = run(folder / "again.obj", back, *given)
+        assert code == 0
+        assert any('"base pier"' in n and '"pier"' in n and "left out" in n for n in told["notes"])
+        again = read_model(back)
+        assert list(again.assembly.joint_between) == [frozenset((first, second))]
+        assert again.parts_that_may_fall == {first}
+        forces = [{"block": name, "force": [1.0, 0.0, 0.0]} for name in (first, "pier")]
+        for given, left in ((forces, forces[:1]), (forces[1:], None)):
+            load = {"load": {"pattern": "forces", "force": given}}
+            kept, notes = fitting(load, again.assembly.blocks, like)
+            assert len(notes) == 1
+            assert kept.get("load") == (left and {"pattern": "forces", "force": left})
+
     def test_a_model_of_other_dimensions_is_no_pattern(self, folder, model):
         assert run(model, folder / "again.obj")[0] == 0
         plane = folder / "plane.toml"
@@ -306,6 +334,9 @@ class TestConvert:
             rows = list(csv.DictReader(file))
         assert len(rows) == len(told["mended"]) > 0
         assert max(float(row["how_much_m"]) for row in rows) < 1e-3
+        (folder / "exact.obj").write_text(obj_text(brick_wall()))
+        assert run(folder / "exact.obj", back, *given, "--material", "stone")[0] == 0
+        assert not (folder / "back.mended.csv").exists()  # it was that of the first drawing
 
     def test_a_plane_model_as_a_drawing_and_back(self, folder):
         pytest.importorskip("ezdxf")

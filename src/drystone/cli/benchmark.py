@@ -111,7 +111,16 @@ def benchmark(
     if which is Which.laboratory:
         with outcome(as_json=as_json):
             from drystone.cli.laboratory import run_laboratory
+            from drystone.model.construction.errors import ModelError
 
+            given = {
+                "engine": engine,
+                "wall": wall,
+                "reference": reference,
+                "strategy": strategy is not Strategy.displacement,
+            }
+            if wrong := [f"--{key}" for key, value in given.items() if value]:
+                raise ModelError([f"{', '.join(wrong)}: is for the published walls: take it out"])
             with speaking(language.value):
                 run_laboratory(out, (), as_json=as_json, quiet=quiet)
         raise typer.Exit(DONE)

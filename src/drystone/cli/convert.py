@@ -225,8 +225,9 @@ def _from_drawing(
         "notes": list(made.notes),
         "mended": [asdict(record) for record in made.mended],
     }
+    report = file.with_name(f"{file.stem}.mended.csv")
+    report.unlink(missing_ok=True)  # of another drawing
     if made.mended:
-        report = file.with_name(f"{file.stem}.mended.csv")
         report.write_text(mended_csv(made.mended), encoding="utf-8", newline="\n")
         found["notes"].append(f"what was done to which block is in {report.name}")
         found["mended_file"] = str(report)

@@ -17,6 +17,7 @@ from drystone.report.mechanism import Mechanism
 from drystone.report.mechanism_figure import plot_mechanism
 from drystone.report.quantities import Quantities, state_text
 from drystone.results.curve import CapacityCurve
+from drystone.results.frames import rows_along
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,21 +73,13 @@ def animate(
         _write_gif(path, _frames(curve, model, n_frames, title), frames_per_second)
 
 
-def chosen_rows(curve: CapacityCurve, n_frames: int) -> list[int]:
-    """Rows of the states that are shown: evenly along the way of the control point, peak and ends
-    included."""
-    way = np.append(0.0, np.cumsum(np.abs(np.diff(curve.control_displacement))))
-    wanted = np.linspace(0.0, way[-1], max(n_frames, 2))
-    rows = {int(np.argmin(np.abs(way - place))) for place in wanted}
-    return sorted(rows | {0, curve.points.index(curve.peak), len(curve.points) - 1})
-
-
 def _frames(curve: CapacityCurve, model: Model, n_frames: int, title: str) -> Iterator[Frame]:
     """Pictures (height, width, 3) of 8 bits."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     assert curve.poses is not None
-    rows = chosen_rows(curve, n_frames)
+    peak = curve.points.index(curve.peak)
+    rows = rows_along(curve.control_displacement, n_frames, keep=[peak])
     figure = canvas.new_figure(*SIZE)
     surface = FigureCanvasAgg(figure)
     figure.set_dpi(RESOLUTION)

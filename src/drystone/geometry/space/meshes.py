@@ -182,25 +182,29 @@ def shells(mesh: Mesh) -> list[Mesh]:
     """The mesh's connected surfaces, in the order of their first faces.
 
     Faces that share an edge belong together; where more than two do, each goes on in the one that
-    bounds the same solid.
+    bounds the same solid.  A face that is there again, see `once`, stays with the first.
     """
+    single = once(mesh)[0].faces
     at: dict[Edge, list[tuple[int, bool]]] = {}
-    for k, face in enumerate(mesh.faces):
+    for k, face in enumerate(single):
         for a, b in edges_of(face):
             at.setdefault((min(a, b), max(a, b)), []).append((k, a < b))
-    normals = face_normals(mesh)
+    normals = face_normals(Mesh(mesh.vertices, single))
     links: list[Edge] = []
     for edge, meeting in at.items():
         if len(meeting) == 2:
             links.append((meeting[0][0], meeting[1][0]))
         elif len(meeting) > 2:
             links += _pairs_around(mesh.vertices, edge, meeting, normals)
-    n = len(mesh.faces)
+    n = len(single)
     rows = np.array(links, np.int64).reshape(-1, 2)
     graph = coo_array((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), shape=(n, n))
     _, label = connected_components(graph, directed=False)
+    label_of = dict(zip(map(_turned, single), label.tolist(), strict=True))
     groups: dict[int, list[tuple[int, ...]]] = {}
-    for k, face in zip(label.tolist(), mesh.faces, strict=True):
+    for face in mesh.faces:
+        key = _turned(face)
+        k = label_of[key if key in label_of else _turned(face[::-1])]
         groups.setdefault(k, []).append(face)
     return [Mesh.of_used(mesh.vertices, own) for own in groups.values()]
 

@@ -119,10 +119,19 @@ def strategy_notes(model: Model, program: str) -> list[str]:
     left_out = [key for key in model.analysis.options if key not in known]
     if left_out:
         notes.append(f"settings that {program} has no use for were left out: {', '.join(left_out)}")
-    return notes + _physics_notes(model)
+    return notes + _physics_notes(model, program)
 
 
-def _physics_notes(model: Model) -> list[str]:
+def control_notes(model: Model, vertices: Array, program: str) -> list[str]:
+    """What to know where the control point is none of its block's vertices (n, dim), as the file
+    has them: other programs read how far a vertex has moved."""
+    away = np.abs(vertices - model.control_point.point).max(axis=1)
+    if away.min() < 1e-9:
+        return []
+    return [f"the control point is no corner of its block: {program} reads the nearest corner"]
+
+
+def _physics_notes(model: Model, program: str) -> list[str]:
     """What the model has, and the file has not."""
     laws, notes = model.assembly.laws, []
     unlike = [key for key in YIELDS if any(getattr(law, key) != DRY[key] for law in laws)]
@@ -130,6 +139,11 @@ def _physics_notes(model: Model) -> list[str]:
         notes.append(f"the file's joints neither soften nor crush: {', '.join(unlike)} left out")
     if any(block.held for block in model.assembly.blocks):
         notes.append("rollers (held) were left out: those blocks are free to move")
+    if model.assembly.points != model.assembly.usual_points:
+        notes.append(
+            f"the {model.assembly.points} contact points of an interface were left out: {program} "
+            "finds its own"
+        )
     if model.history is not None:
         notes.append("the history of displacements was left out: the load only grows")
     return notes
@@ -180,6 +194,13 @@ def need_convex(assembly: Assembly, program: str) -> None:
 
 def mass_direction(model: Model, program: str) -> Array:
     """(dim,) direction of forces in proportion to mass; raises `ModelError` for all other loads."""
+    if model.settlement is not None:
+        raise ModelError(
+            [
+                f"settlement: a file for {program} has no supports that move: use an engine of "
+                "drystone"
+            ]
+        )
     if model.load.name != "mass":
         raise ModelError(
             [

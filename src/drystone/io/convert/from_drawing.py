@@ -13,32 +13,14 @@ from typing import Any
 import numpy as np
 
 from drystone.geometry.mended import Mended
+from drystone.io.convert.like import NAMING, fitting, tables_of
 from drystone.io.drawings import Imported, ImportSettings, imported
-from drystone.io.modelfile.named import files_named
-from drystone.io.modelfile.parse import parse
 from drystone.io.modelfile.write import to_toml
 from drystone.model.assembly import Block
-from drystone.model.construction.contents import read_bytes
 from drystone.model.construction.control import SAME
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import in_a_cell, millimetres, quoted
 
-#: Tables that are taken over from another model file.
-TAKEN = (
-    "thickness",
-    "material",
-    "joint",
-    "corner",
-    "contact",
-    "load",
-    "control",
-    "analysis",
-    "output",
-    "site",
-    "assessment",
-)
-#: Tables that name blocks of their own file, or places on them.
-LEFT = ("dead_load", "tie", "spring", "settlement", "group")
 WHAT = "# A drawing does not say this: fill in your numbers and remove the marks.\n"
 #: Tables that a model needs and no drawing has, as lines to fill in.
 TO_FILL = {
@@ -74,7 +56,7 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     ModelError
         The drawing cannot be read, or the other model file is none.
     """
-    known, notes = ({}, []) if like is None else _of_another(like)
+    known, notes = ({}, []) if like is None else tables_of(like)
     materials = known.get("material")
     names = list(materials) if isinstance(materials, dict) else []
     # Weights are for whoever reads the model file; here only names matter.
@@ -89,16 +71,19 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
         )
     if dimension == 3:
         known.pop("thickness", None)
+    if like is not None:
+        known, more = fitting(known, made.blocks, like)
+        notes += more
+    control = known.get("control", {})
+    if made.control is not None and isinstance(control, dict):
+        own = {key: value for key, value in control.items() if key not in NAMING}
+        known["control"] = {**own, **_control(made)}
     data = {
         "title": settings.file.stem,
         "dimension": dimension,
-        **{key: value for key, value in known.items() if key != "control"},
+        **known,
         "block": [_block(block) for block in made.blocks],
     }
-    if made.control is not None or "control" in known:
-        data["control"] = known.get("control", {"point": list(made.control or ())})
-        if "control" not in known:
-            data["control"] = _control(made)
     missing = [
         key for key in TO_FILL if key not in known and (key != "thickness" or dimension == 2)
     ]
@@ -110,22 +95,6 @@ def from_drawing(settings: ImportSettings, like: Path | None = None) -> FromDraw
     return FromDrawing(
         text=head + to_toml(data) + tail, blocks=made.blocks, mended=made.mended, notes=tuple(notes)
     )
-
-
-def _of_another(like: Path) -> tuple[dict[str, Any], list[str]]:
-    """The tables that are taken from another model file, and a note on those that are not."""
-    try:
-        given = parse(read_bytes(like, "the model file"), is_json=like.suffix.lower() == ".json")
-    except ModelError as error:
-        raise ModelError(f"{like}: {problem}" for problem in error.problems) from None
-    known, left = {}, []
-    for key, table in given.items():
-        if key in LEFT or (key in TAKEN and files_named({key: table})):
-            left.append(f"[{key}]")
-        elif key in TAKEN or key == "dimension":
-            known[key] = table
-    note = f"{like}: {', '.join(left)} left out: blocks or files of that model are named there"
-    return known, [note] if left else []
 
 
 def _material(layer: str, names: Sequence[str], given: str | None) -> str:
@@ -151,6 +120,7 @@ def _block(block: Block) -> dict[str, Any]:
         **({"material": block.material} if block.material else {}),
         **shape_of_block(block),
         **({"support": True} if block.support else {}),
+        **({"held": list(block.held)} if block.held else {}),
         **({"groups": list(block.groups)} if block.groups else {}),
     }
 

@@ -107,7 +107,8 @@ def put_loads
   end_loop
 end
 """
-#: What the supports carry of the load, over its sum.
+#: What the supports carry of the load, over its sum.  Of the weight they carry a part, too, along a
+#: load that leans.
 READ_CARRIED = """\
 def read_carried
   held = 0.0
@@ -119,7 +120,7 @@ def read_carried
     end_if
     ib = b_next(ib)
   end_loop
-  lam_c = held / total
+  lam_c = held / total + load_y
 end
 """
 #: The published strategy in FISH, on top of the functions above and of two that each program has

@@ -15,6 +15,7 @@ from drystone.io.convert import itasca, threedec_solids
 from drystone.io.convert.common import (
     Written,
     chamfered,
+    control_notes,
     left_sharp,
     leg_of,
     materials,
@@ -104,6 +105,9 @@ def write(model: Model, name: str = "") -> Written:
         notes.append(
             "3DEC leaves the blocks free to move out of the plane: nothing pushes them there"
         )
+    control = model.control_point.block
+    corners = assembly.figures[control].parts[0].vertices if outlines is None else outlines[control]
+    notes += control_notes(model, corners, PROGRAM)
     lines = [*itasca.heading(model, PROGRAM, notes), "new"]
     lines += _blocks(assembly, outlines)
     lines += itasca.properties(assembly, stuff)

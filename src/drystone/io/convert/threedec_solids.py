@@ -83,7 +83,7 @@ def read_carried
     end_if
     ib = b_next(ib)
   end_loop
-  lam_c = held / total
+  lam_c = held / total + load_z
 end
 def read_control
   ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y

@@ -13,6 +13,7 @@ from drystone.geometry.plane import polygon
 from drystone.io.convert import itasca
 from drystone.io.convert.common import (
     Written,
+    control_notes,
     materials,
     need_convex,
     need_stiffness,
@@ -118,8 +119,7 @@ def write(model: Model, name: str = "") -> Written:
             f"UDEC's blocks are 1 m thick: its forces are those of a wall of {assembly.thickness:g}"
             " m divided by that, its multipliers are the same"
         )
-    if not _is_vertex(model):
-        notes.append("the control point is no corner of its block: UDEC reads the nearest corner")
+    notes += control_notes(model, assembly.blocks[model.control_point.block].vertices, PROGRAM)
     stuff = materials(assembly)
     lines = [*itasca.heading(model, PROGRAM, notes), "new", f"round {number(rounding)}"]
     for block in assembly.blocks:
@@ -187,11 +187,6 @@ def _all_right(assembly: Assembly) -> bool:
         if np.abs(np.sum(edges * np.roll(edges, -1, axis=0), axis=1)).max() > 1e-9:
             return False
     return True
-
-
-def _is_vertex(model: Model) -> bool:
-    block = model.assembly.blocks[model.control_point.block]
-    return bool(np.any(np.all(np.abs(block.vertices - model.control_point.point) < 1e-9, axis=1)))
 
 
 def read(text: str) -> Model:

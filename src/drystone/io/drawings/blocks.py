@@ -89,6 +89,10 @@ def blocks_of(drawing: Drawing, settings: ImportSettings, material_of: MaterialO
         replace(shape, vertices=turned_up(scale * shape.vertices, up)) for shape in drawing.shapes
     ]
     shapes = _supports(shapes, settings)
+    if settings.rotation and (held := [shape.name for shape in shapes if shape.held]):
+        raise ModelError(
+            [f"rotation: rollers stay along the axes, and turn with {listed(held)}: take it out"]
+        )
     try:
         if drawing.dimension == 3:
             made, records = _solids(shapes, settings)
@@ -160,9 +164,12 @@ def sentences(records: Sequence[Mended]) -> list[str]:
 
 def _unit(settings: ImportSettings, drawing: Drawing, notes: list[str]) -> str:
     if settings.unit is None:
-        if drawing.unit is None:
+        if drawing.unit not in UNITS:
             raise ModelError(
-                ['unit is missing, and the file says none: give "m", "cm", "mm", "in" or "ft"']
+                [
+                    f"unit is missing, and the file says {drawing.unit or 'none'}: give "
+                    '"m", "cm", "mm", "in" or "ft"'
+                ]
             )
         return drawing.unit
     if drawing.unit is not None and drawing.unit != settings.unit:
@@ -199,7 +206,8 @@ def _supports(shapes: Sequence[Shape], settings: ImportSettings) -> list[Shape]:
             if any(map(fits, (shape.name, prefix + shape.name, shape.layer, *shape.groups)))
         }
         if not found:
-            known = [*dict.fromkeys(s.layer for s in shapes if s.layer), *(s.name for s in shapes)]
+            called = [*(shape.layer for shape in shapes), *(shape.name for shape in shapes)]
+            known = [name for name in dict.fromkeys(called) if name]
             raise ModelError(
                 [
                     f"support: there is no block, group or layer {quoted(pattern)}: "
@@ -208,7 +216,7 @@ def _supports(shapes: Sequence[Shape], settings: ImportSettings) -> list[Shape]:
             )
         marked |= found
     return [
-        replace(shape, support=True) if i in marked and not shape.support else shape
+        replace(shape, support=True, held=()) if i in marked and not shape.support else shape
         for i, shape in enumerate(shapes)
     ]
 
@@ -244,6 +252,7 @@ def _solids(shapes: Sequence[Shape], settings: ImportSettings) -> tuple[list[Blo
             unit_weight=1.0,
             material=shapes[solid.source].layer,
             support=shapes[solid.source].support,
+            held=shapes[solid.source].held,
             groups=_groups(shapes[solid.source]),
         )
         for solid in solids

@@ -2,7 +2,7 @@
 
 The file has no units of its own; those of LMGC90's gravity, metres, are taken.  Vertices are given
 from the body's node, of solids along their axes of inertia; where these point, and where bodies
-stand, is in DOF.INI beside it.  Which bodies are held is in DRV_DOF.DAT.
+stand, is in DOF.INI beside it.  What is held of which bodies is in DRV_DOF.DAT.
 """
 
 from __future__ import annotations
@@ -33,6 +33,12 @@ STATE = "DOF.INI"
 _STATE = re.compile(r"([Xabg])\((\d)\)\s*=\s*([-+.\dEeDd]+)")
 #: By how much axes may be off a right-handed frame: files have eight digits.
 SQUARE = 1e-5
+#: Names of what rollers hold, by the numbers of components; those of space turn about three axes.
+_MOTIONS = {
+    "RBDY2": {1: "x", 2: "y", 3: "turn"},
+    "RBDY3": {1: "x", 2: "y", 3: "z", 4: "turn", 5: "turn", 6: "turn"},
+}
+_FIGURE = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?")
 _VALUE = re.compile(r"([A-Za-z_]+\d?)\s*=\s*([-+.\dEeDdNnIiAaFf]+)")
 
 
@@ -42,7 +48,7 @@ def read(contents: bytes, beside: Path | None = None) -> Drawing:
     Parameters
     ----------
     beside
-        Path of the file, where DRV_DOF.DAT may tell the supports.
+        Path of the file, where DRV_DOF.DAT may tell the supports and rollers.
     """
     text = contents.decode("utf-8", errors="replace")
     check_counts(text.count("coo1"), text.count("ver1"))
@@ -55,7 +61,8 @@ def read(contents: bytes, beside: Path | None = None) -> Drawing:
         state = states.get((kind, index))
         made = _shapes(lines, start, kind, index, state or {}, left_out)
         unturned |= state is None and _has_inertia(lines)
-        support = index in held.get(kind, set())
+        own = held.get((kind, index), ())
+        support = set(own) == set(_MOTIONS[kind].values())
         for k, (vertices, faces, color) in enumerate(made, 1):
             name = f"{kind.lower()}{index}" + (f"/{k}" if len(made) > 1 else "")
             shapes.append(
@@ -66,6 +73,7 @@ def read(contents: bytes, beside: Path | None = None) -> Drawing:
                     layer=_behaviour(lines),
                     groups=(color,) if color else (),
                     support=support,
+                    held=() if support else own,
                 )
             )
     if not shapes:
@@ -225,20 +233,38 @@ def _lines(path: Path) -> list[str]:
     return read_bytes(path, "the file").decode("utf-8", errors="replace").splitlines()
 
 
-def _held(beside: Path | None) -> dict[str, set[int]]:
-    """Bodies with driven degrees of freedom, by their kinds, from DRV_DOF.DAT."""
-    held: dict[str, set[int]] = {}
+def _held(beside: Path | None) -> dict[tuple[str, int], tuple[str, ...]]:
+    """What of their motion is held of bodies (kind, number), from DRV_DOF.DAT."""
     path = beside.with_name(DRIVEN) if beside else None
     if path is None or not path.is_file():
-        return held
-    body: tuple[str, int] | None = None
-    for line in _lines(path):
+        return {}
+    held: dict[tuple[str, int], set[int]] = {}
+    own: set[int] = set()
+    for row, line in enumerate(_lines(path), 1):
         words = line.split()
-        if len(words) >= 2 and words[0] in ("RBDY2", "RBDY3") and words[1].isdigit():
-            body = words[0], int(words[1])
-        elif words[:1] == ["vlocy"] and body:
-            held.setdefault(body[0], set()).add(body[1])
-    return held
+        place = f"{DRIVEN} line {row}"
+        if len(words) >= 2 and words[0] in _MOTIONS and words[1].isdigit():
+            own = held.setdefault((words[0], int(words[1])), set())
+        elif words[:1] == ["vlocy"] and len(words) > 1:
+            own.add(whole(words[1], place))
+            # Its velocity is (CT + AMP cos(OMEGA t + PHI)) times a ramp, or in a file of its own.
+            values = _FIGURE.findall(" ".join(words[2:]))
+            if not values or any(number(value, place) for value in values[:2]):
+                raise ModelError(
+                    [f"{place}: a body is driven at a speed: hold it there with zeros"]
+                )
+    return {body: _motions(*body, components) for body, components in held.items()}
+
+
+def _motions(kind: str, index: int, components: set[int]) -> tuple[str, ...]:
+    """What rollers call components of a body's motion, numbered from 1."""
+    known = _MOTIONS[kind]
+    names = tuple(dict.fromkeys(known[n] for n in sorted(components & set(known))))
+    if "turn" in names and not {n for n, name in known.items() if name == "turn"} <= components:
+        raise ModelError(
+            [f"{DRIVEN}: {kind} {index} may turn about some axes alone: hold all or none of these"]
+        )
+    return names
 
 
 FORMAT = Format(

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.ranges import LARGEST, too_many
 from drystone.common.tolerances import SAME_POINT
-from drystone.geometry.space.meshes import Mesh, faces_at_edges, shells
+from drystone.geometry.space.meshes import Mesh, faces_at_edges, once, shells
 from drystone.geometry.space.solid import Faces
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import quoted
@@ -38,6 +38,7 @@ class Shape:
     layer: str = ""  # or material, where a program has those
     groups: tuple[str, ...] = ()
     support: bool = False  # marked as one in the file
+    held: tuple[str, ...] = ()  # along axes of the drawing: what of its motion rollers hold
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,7 +90,7 @@ def shapes_of_mesh(
     if not mesh.faces:
         raise ModelError(["holds no faces: export the blocks as closed surfaces"])
     found = shells(mesh)
-    if any(n != 2 for own in found for n in faces_at_edges(own.faces).values()):
+    if any(n != 2 for own in found for n in faces_at_edges(once(own)[0].faces).values()):
         if not np.isfinite(mesh.vertices).all():
             raise ModelError(["every coordinate must be a finite number"])
         mesh, _ = welded(mesh, SAME_POINT * size_of(mesh.vertices))

@@ -101,7 +101,7 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
         raise ModelError([f"has {len(on_control)} points on its layer for the control point: one"])
     return Drawing(
         shapes=tuple(shapes),
-        unit=_UNITS.get(int(document.header.get("$INSUNITS", 0) or 0)),
+        unit=_unit(int(document.header.get("$INSUNITS", 0) or 0)),
         up=up,
         control=on_control[0][:dimension] if on_control else None,
         notes=(*guesses, *(f"{n} left out: {what}" for what, n in sorted(others.items()))),
@@ -197,6 +197,15 @@ def _entities(layout: Any, hidden: dict[str, str]) -> Iterator[tuple[Any, str]]:
         ones = entity.multi_insert() if entity.mcount > 1 else (entity,)
         inside = chain.from_iterable(one.virtual_entities() for one in ones)
         waiting.append((inside, layer))
+
+
+def _unit(code: int) -> str | None:
+    """The unit of the header, as ezdxf calls it where it is none of ours; None if there is none."""
+    if code in _UNITS or code <= 0:
+        return _UNITS.get(code)
+    from ezdxf import units
+
+    return str(units.unit_name(code))
 
 
 def _nothing(dimension: int, others: dict[str, int]) -> str:

@@ -51,7 +51,7 @@ def read(contents: bytes) -> Drawing:
     found = [_Own("")]
     group, material, ignored, n_corners = "", "", set(), 0
     for row, line in enumerate(lines, 1):
-        key, *words = line.split("#", 1)[0].split() or [""]
+        key, *words = _without_comment(line).split() or [""]
         place = f"line {row}"
         if key == "v":
             if len(words) < 3:
@@ -97,6 +97,12 @@ def read(contents: bytes) -> Drawing:
     else:
         shapes = [_shape(one, k, place_of) for k, one in enumerate(filled, 1)]
     return Drawing(shapes=tuple(shapes), notes=notes)
+
+
+def _without_comment(line: str) -> str:
+    """A line without the comment at its end; in a name # is a letter."""
+    named = line.split()[:1] in (["o"], ["g"], ["usemtl"])
+    return line if named else line.split("#", 1)[0]
 
 
 def _together(found: Sequence[_Own]) -> list[_Own]:

@@ -54,6 +54,7 @@ def mended_outlines(
                 unit_weight=1.0,
                 material=shape.layer,
                 support=shape.support,
+                held=shape.held,
                 groups=tuple(dict.fromkeys(n for n in (shape.layer, *shape.groups) if n)),
             )
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -42,12 +43,11 @@ class _Element:
 
 def read(contents: bytes) -> Drawing:
     """The blocks of a file; raises `ModelError`."""
-    head, mark, body = contents.partition(b"end_header")
-    if not contents.startswith(b"ply") or not mark:
+    end = re.search(rb"^end_header[ \t\r]*(\n|\Z)", contents, re.MULTILINE)
+    if not contents.startswith(b"ply") or not end:
         raise ModelError(["is no PLY file: its first line is not ply, or its header has no end"])
+    head, body = contents[: end.start()], contents[end.end() :]
     order, elements = _header(head.decode("ascii", errors="replace"))
-    newline = body.find(b"\n")
-    body = body[newline + 1 :] if newline >= 0 else b""
     rows = _text_rows(body, elements) if not order else _binary_rows(body, elements, order)
     vertices: list[list[float]] = []
     faces: list[tuple[int, ...]] = []

@@ -21,34 +21,12 @@ from drystone.io.results.names import PARAVIEW
 from drystone.io.results.outputs import Finished, Output
 from drystone.model.assembly import Assembly
 from drystone.results.curve import CurvePoint
+from drystone.results.frames import rows_along
 from drystone.results.shapes import MovingShapes, compliance, moving_blocks
 
 #: Grids written of one curve, about; a curve may have thousands of points.
 MOST_FRAMES = 100
 BLOCKS, CONTACTS = "blocks", "contacts"
-
-
-def choose_frames(
-    control_displacement: Array, keep: Iterable[int] = (), count: int = MOST_FRAMES
-) -> list[int]:
-    """Points to draw: evenly in control displacement, with both ends and those to ``keep``.
-
-    Returns rows in the order of the curve, no two with the same control displacement.
-    """
-    n = len(control_displacement)
-    if n == 0:
-        return []
-    wanted = np.linspace(control_displacement.min(), control_displacement.max(), count)
-    order = np.argsort(control_displacement, kind="stable")
-    place = np.searchsorted(control_displacement[order], wanted).clip(1, max(n - 1, 1))
-    after, before = order[np.minimum(place, n - 1)], order[place - 1]
-    nearer = wanted - control_displacement[before] <= control_displacement[after] - wanted
-    # Those that must be there go first: of equal displacements the first one counts.
-    chosen = [0, *keep, n - 1, *np.where(nearer, before, after).tolist()]
-    by_displacement: dict[float, int] = {}
-    for row in chosen:
-        by_displacement.setdefault(float(control_displacement[row]), int(row))
-    return sorted(by_displacement.values())
 
 
 def write_series(
@@ -176,7 +154,8 @@ def write_contacts(path: Path, contacts: ContactForces, field_data: Iterable[str
 def _write(done: Finished, keys: Mapping[str, Any]) -> None:
     curve, results = done.curve, done.results
     assert results is not None
-    frames = choose_frames(curve.control_displacement, keep=[curve.points.index(curve.peak)])
+    peak = curve.points.index(curve.peak)
+    frames = rows_along(curve.control_displacement, MOST_FRAMES, keep=[peak])
     write_series(
         done.folder / PARAVIEW,
         done.model.assembly,
