@@ -115,6 +115,12 @@ class TestObj:
             ("stone #1", "granite #2")
         ]
 
+    @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
+    def test_names_in_the_letters_of_older_programs(self, tmp_path, encoding):
+        text = obj_text(brick_wall()[:1]).replace("o c0u0", "o Säule")
+        path = kept(tmp_path, "a.obj", text.encode(encoding))
+        assert [shape.name for shape in read_drawing(path).shapes] == ["Säule"]
+
     @pytest.mark.parametrize("heading", ["o a\n", ""])
     @pytest.mark.parametrize("sense", [1, -1])
     @pytest.mark.parametrize("again", [(0,), (0, 2), (0, 1, 2, 3, 4, 5)])

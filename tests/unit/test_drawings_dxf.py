@@ -142,6 +142,7 @@ class TestPlane:
             space.add_lwpolyline(square + [2 * k, 0], close=True, dxfattribs={"layer": layer})
         space.add_blockref("stone", (9, 0), dxfattribs={"layer": "old"})
         space.add_text("a text", dxfattribs={"layer": "old"})
+        space.add_lwpolyline(square, close=True, dxfattribs={"layer": "stone", "invisible": 1})
         made = blocks_of(saved(tmp_path, document))
         assert [block.id for block in made.blocks] == ["stone/1"]
         told = [n.removeprefix('import "a.dxf": ') for n in made.notes if "left out" in n]
@@ -149,6 +150,7 @@ class TestPlane:
             '1 left out: INSERT on layer "old", which is frozen',
             '1 left out: LWPOLYLINE on layer "OLD", which is frozen',
             '1 left out: LWPOLYLINE on layer "draft", which is switched off',
+            '1 left out: invisible LWPOLYLINE on layer "stone"',
         ]
 
     def test_a_block_that_was_moved_to_another_layer_is_of_that_one(self, tmp_path):

@@ -19,6 +19,7 @@ from drystone.io.drawings.drawing import (
     Shape,
     check_counts,
     number,
+    text_of,
     tidy_name,
     whole,
 )
@@ -50,7 +51,7 @@ def read(contents: bytes, beside: Path | None = None) -> Drawing:
     beside
         Path of the file, where DRV_DOF.DAT may tell the supports and rollers.
     """
-    text = contents.decode("utf-8", errors="replace")
+    text = text_of(contents)
     check_counts(text.count("coo1"), text.count("ver1"))
     held, states = _held(beside), _states(beside)
     shapes: list[Shape] = []
@@ -230,7 +231,7 @@ def _states(beside: Path | None) -> dict[tuple[str, int], dict[str, float]]:
 
 def _lines(path: Path) -> list[str]:
     """Of a file beside the drawing."""
-    return read_bytes(path, "the file").decode("utf-8", errors="replace").splitlines()
+    return text_of(read_bytes(path, "the file")).splitlines()
 
 
 def _held(beside: Path | None) -> dict[tuple[str, int], tuple[str, ...]]:

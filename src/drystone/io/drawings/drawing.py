@@ -151,6 +151,14 @@ def whole(text: str, place: str) -> int:
         raise ModelError([f"{place}: {quoted(text)} is no whole number: mend the file"]) from None
 
 
+def text_of(contents: bytes) -> str:
+    """The text of a file in UTF-8, or of one that older programs wrote in Latin-1."""
+    try:
+        return contents.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return contents.decode("latin-1")
+
+
 def tidy_name(text: object) -> str:
     """A name of printable letters on one line, at most 80."""
     return "".join(c if c.isprintable() else " " for c in str(text)).strip()[:80].strip()

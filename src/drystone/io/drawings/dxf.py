@@ -68,8 +68,10 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     hidden = _hidden(document)
     for entity, drawn_on in _entities(document.modelspace(), hidden):
         kind, layer = entity.dxftype(), tidy_name(drawn_on)
-        if (how := hidden.get(drawn_on.lower())) and kind not in _SILENT:
-            what = f"{kind} on layer {quoted(layer)}, which is {how}"
+        how, unseen = hidden.get(drawn_on.lower()), _is_invisible(entity)
+        if (how or unseen) and kind not in _SILENT:
+            what = f"{'invisible ' * unseen}{kind} on layer {quoted(layer)}"
+            what += f", which is {how}" if how else ""
             others[what] = others.get(what, 0) + 1
         elif kind == "POINT":
             points.append((layer, tuple(entity.dxf.location)))
@@ -168,12 +170,17 @@ def _hidden(document: Any) -> dict[str, str]:
     }
 
 
+def _is_invisible(entity: Any) -> bool:
+    """Whether the drawing has it and does not show it (group code 60)."""
+    return bool(entity.dxf.get("invisible", 0))
+
+
 def _entities(layout: Any, hidden: dict[str, str]) -> Iterator[tuple[Any, str]]:
     """Entities of a layout, those that its references stand for, and the layer of each.
 
-    What a definition holds on layer 0 is on the layer of the reference.  A reference on a frozen
-    layer is given as it is.  Raises `ModelError` where references are without end, or entities
-    are more than are read.
+    What a definition holds on layer 0 is on the layer of the reference.  A reference that is
+    invisible, or on a frozen layer, is given as it is.  Raises `ModelError` where references are
+    without end, or entities are more than are read.
     """
     count = 0
     waiting: list[tuple[Iterator[Any], str]] = [(iter(layout), "0")]
@@ -189,7 +196,8 @@ def _entities(layout: Any, hidden: dict[str, str]) -> Iterator[tuple[Any, str]]:
             raise ModelError([wrong])
         layer = str(entity.dxf.get("layer", "0"))
         layer = outer if layer == "0" else layer
-        if not is_reference or hidden.get(layer.lower()) == "frozen":
+        unseen = _is_invisible(entity) or hidden.get(layer.lower()) == "frozen"
+        if not is_reference or unseen:
             yield entity, layer
             continue
         if len(waiting) > DEEPEST:

@@ -18,6 +18,7 @@ from drystone.io.drawings.drawing import (
     check_counts,
     number,
     shapes_of_mesh,
+    text_of,
     tidy_name,
     whole,
 )
@@ -43,7 +44,7 @@ class _Own:
 
 def read(contents: bytes) -> Drawing:
     """The blocks of a file; raises `ModelError`."""
-    text = contents.decode("utf-8", errors="replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = text_of(contents).replace("\\\r\n", " ").replace("\\\n", " ")
     lines = text.splitlines()
     check_counts(*(sum(line.startswith(key) for line in lines) for key in ("v ", "f ")))
     heading = "o" if any(line.split()[:1] == ["o"] for line in lines) else "g"

@@ -17,6 +17,7 @@ from drystone.io.drawings.drawing import (
     check_faces,
     number,
     shapes_of_mesh,
+    text_of,
     tidy_name,
     whole,
 )
@@ -77,7 +78,7 @@ def read(contents: bytes) -> Drawing:
 
 def _names(head: bytes) -> list[str]:
     """Names of blocks, from comments that `write` makes."""
-    lines = head.decode("utf-8", errors="replace").splitlines()
+    lines = text_of(head).splitlines()
     return [tidy_name(line[14:]) for line in lines if line.startswith("comment block ")]
 
 

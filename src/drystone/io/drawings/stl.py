@@ -13,6 +13,7 @@ from drystone.io.drawings.drawing import (
     check_counts,
     number,
     shapes_of_mesh,
+    text_of,
     tidy_name,
 )
 from drystone.io.drawings.format import LOST, Format
@@ -28,7 +29,7 @@ def read(contents: bytes) -> Drawing:
     if contents.lstrip()[:5].lower() == b"solid":
         words = contents.lower()
         check_counts(0, max(words.count(b"endfacet"), words.count(b"vertex") // 3))
-        return _text(contents.decode("utf-8", errors="replace"))
+        return _text(text_of(contents))
     if count < 0:
         raise ModelError(["is too short for an STL file: export it anew"])
     raise ModelError(
