@@ -42,6 +42,12 @@ class SupportSettings:
     jump_steps: int = 5000  # with the supports held, after which the motion is not followed further
     # Of the largest reaction, by which it may leave its course in a step.
     bend_share: float = tolerances.SUPPORT_BEND
+    # Largest deviation of a block from the course of the last step, over the farthest motion.  It
+    # counts where the reaction leaves its own by more than `deviation_bend` of the largest, in
+    # steps longer than `deviation_step` of the largest.
+    deviation_share: float = tolerances.DEVIATION_SHARE
+    deviation_bend: float = tolerances.DEVIATION_BEND
+    deviation_step: float = tolerances.DEVIATION_STEP
     time_step: float = 0.0  # s, of engines of dynamic formulations
     grow_iterations: int = 12
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
@@ -104,7 +110,9 @@ class SupportControl(Strategy[_State]):
             off = abs(slope - state.slope) * advanced
             first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
             known = max(greatest, tolerances.LEAST_REACTION)
-            if off > s.bend_share * known and step > first:
+            turns = (report.path.deviation or 0.0) > s.deviation_share
+            turns = turns and off > s.deviation_bend * known and step > s.deviation_step * s.step
+            if turns or (off > s.bend_share * known and step > first):
                 state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
                 return self._decided(state, accept=False)
         state = changed(

@@ -376,6 +376,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 n_iterations=solved.n_iterations,
                 path=StepPath(fold=solved.fold),
             )
+        if demand.settlement and state.last_support_motion:
+            solved = changed(solved, deviation=solution.deviation(own, solved.increment, guess))
         return self._accept(own, state, solved, h, demand)
 
     def _with_new_pairs(

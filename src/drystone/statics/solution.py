@@ -382,7 +382,7 @@ def _by_interior(
     if start.unstable and found and follows and stable:
         excess, bend = (0.0, 0.0), (0.0, 0.0)  # left an unstable point: nothing lies between
     # The second guess is along the tangent.
-    off = follows and len(start.guesses) > 1 and moved > 0.0
+    off = follows and len(start.guesses) > 1
     solution = StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
@@ -390,13 +390,26 @@ def _by_interior(
         fold=fold,
         excess=excess if not reason else None,
         bend=bend if not reason else None,
-        deviation=farthest(step.x - start.guesses[1]) / moved if off else None,
+        deviation=deviation(step, step.x, start.guesses[1]) if off else None,
         slope=end,
         tangent=tangent,
         unstable=not stable,
         reason=reason,
     )
     return solution, found
+
+
+def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | None:
+    """Largest deviation of a block from what was ``predicted``, over the farthest motion; None
+    where nothing has moved.
+
+    Parameters
+    ----------
+    increment, predicted
+        (n, n_dof) [m, rad].
+    """
+    moved = step.detector.farthest(increment)
+    return step.detector.farthest(increment - predicted) / moved if moved > 0.0 else None
 
 
 def _slope_at_start(step: StaticStep, multiplier: float) -> float:

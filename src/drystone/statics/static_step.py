@@ -93,8 +93,8 @@ class StepSolution:
     #: its chord, each with the share of the step where it does so most.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
-    #: Largest deviation of a block from the predictor, the tangent at the start, over the farthest
-    #: motion of a block; in space.
+    #: Largest deviation of a block from the predictor, over the farthest motion of a block: in
+    #: space from the tangent at the start; where supports move from the course of the last step.
     deviation: float | None = None
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
