@@ -229,6 +229,12 @@ def _instantaneous(problem):
     )
 
 
+def _instantaneous_everywhere(problem):
+    problem.add_boundary_condition("Quake").add_global_body_force(
+        3.0, 0.0, 0.0, loading_type="instantaneous"
+    )
+
+
 def _moment(problem):
     problem.add_boundary_condition("Twist").add_moment(3, [0.0, 1e3, 0.0])
 
@@ -276,6 +282,7 @@ def _two_gravities(problem):
     ("given", "said"),
     [
         (_instantaneous, 'boundary condition "Bang", point load 1: loading_type="instantaneous"'),
+        (_instantaneous_everywhere, 'boundary condition "Quake", body force 1: loading_type='),
         (_moment, 'boundary condition "Twist", point load 1: has a moment'),
         (_moved_block, 'boundary condition "Pull", displacement 1: moves block 3'),
         (_supports_apart, 'boundary condition "Apart": its supports move in different ways'),
@@ -294,6 +301,43 @@ def test_what_drystone_cannot_do_is_refused_by_name(given, said):
     with pytest.raises(ModelError) as raised:
         model_of(problem)
     assert said in str(raised.value)
+
+
+def test_loads_of_all_boundary_conditions_are_refused_at_once():
+    problem = compas_here.problem_of(compas_here.arch())
+    _instantaneous_everywhere(problem)
+    _moment(problem)
+    with pytest.raises(ModelError) as raised:
+        model_of(problem, load="Quake")
+    assert [line.split(":")[0] for line in raised.value.problems] == [
+        'boundary condition "Quake", body force 1',
+        'boundary condition "Twist", point load 1',
+    ]
+
+
+def test_blocks_of_a_group_stand_where_it_moves_them():
+    from compas.geometry import Translation
+    from compas_model.elements import Group
+
+    model = compas_here.wall()
+    plain = model_of(compas_here.problem_of(model), direction=X).assembly
+    grouped = type(model)()
+    group = grouped.add_element(Group(transformation=Translation.from_vector([0.0, 0.0, 2.0])))
+    for block in model.elements():
+        grouped.add_element(block.copy(), parent=group)
+    assembly = model_of(compas_here.problem_of(grouped), direction=X).assembly
+    # The group is the node 0 of the graph.
+    assert assembly.ids == tuple(str(int(name) + 1) for name in plain.ids)
+    assert assembly.centroid == pytest.approx(plain.centroid + [0.0, 0.0, 2.0])
+
+
+def test_elements_that_are_no_blocks_are_named():
+    from compas_model.elements import ColumnElement
+
+    model = compas_here.wall()
+    model.add_element(ColumnElement(width=0.3, depth=0.3, height=2.0, name="pier"))
+    with pytest.raises(ModelError, match=r'element 8, "pier": is a ColumnElement'):
+        model_of(compas_here.problem_of(model), direction=X)
 
 
 def test_a_curve_needs_a_joint_stiffness():
