@@ -410,11 +410,12 @@ def test_ifc_parts_are_blocks_and_wholes_without_masonry_among_their_parts(tmp_p
 
 
 def test_a_layer_of_ifc_is_the_name_of_the_material(tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
     model = IfcModel()
     tuff, brick, plaster = map(model.material, ("tuff", "brick", "plaster"))
     walls = {
         name: model.box("IfcWall", name, (2 * k, 0, 0), (2 * k + 1, 0.3, 1))
-        for k, name in enumerate(("plain", "layered", "plastered", "listed", "set", "none"))
+        for k, name in enumerate(("plain", "layered", "plastered", "listed", "set", "one", "none"))
     }
     model.assign(walls["plain"], tuff)
     model.layered(walls["layered"], (tuff, 150.0), (tuff, 150.0))
@@ -426,6 +427,10 @@ def test_a_layer_of_ifc_is_the_name_of_the_material(tmp_path):
     for material in (tuff, plaster):
         model.api.material.add_constituent(model.file, constituent_set=made, material=material)
     model.assign(walls["set"], made)
+    layer = model.file.createIfcMaterialLayer(brick, 280.0)
+    model.file.createIfcRelAssociatesMaterial(
+        ifcopenshell.guid.new(), None, None, None, [walls["one"]], layer
+    )
     made = model.blocks(tmp_path)
     assert {b.id: b.material for b in made.blocks} == {
         "plain": "tuff",
@@ -433,6 +438,7 @@ def test_a_layer_of_ifc_is_the_name_of_the_material(tmp_path):
         "plastered": "brick",
         "listed": "brick",
         "set": "tuff",
+        "one": "brick",
         "none": "stone",  # of the import
     }
     notes = [note.split(": ", 1)[1] for note in made.notes]

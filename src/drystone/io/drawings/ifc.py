@@ -197,20 +197,27 @@ def _material(element: Any) -> tuple[str, int]:
 
     Of several that of the thickest layer, or the first where they are no layers.
     """
-    from ifcopenshell.util.element import get_material, get_materials
+    from ifcopenshell.util.element import get_material
 
-    names = [_called(material) for material in get_materials(element)]
-    distinct = list(dict.fromkeys(name for name in names if name))
-    if len(distinct) < 2:
-        return "".join(distinct), len(distinct)
-    whole = get_material(element, should_skip_usage=True)
-    layers = [
-        (float(layer.LayerThickness or 0.0), _called(layer.Material))
-        for layer in getattr(whole, "MaterialLayers", None) or ()
-    ]
-    named = [layer for layer in layers if layer[1]]
-    thickest = max(named, key=lambda layer: layer[0])[1] if named else distinct[0]
-    return thickest, len(distinct)
+    parts = _parts_of_material(get_material(element, should_skip_usage=True))
+    named = [(thickness, name) for thickness, name in parts if name]
+    if not named:
+        return "", 0
+    return max(named, key=lambda part: part[0])[1], len({name for _, name in named})
+
+
+def _parts_of_material(material: Any) -> list[tuple[float, str]]:
+    """Thickness, in units of the file, and name of each part of a material; 0 of all but layers."""
+    for key in ("MaterialLayers", "MaterialProfiles", "MaterialConstituents"):
+        if hasattr(material, key):
+            return [
+                (getattr(part, "LayerThickness", None) or 0.0, _called(part.Material))
+                for part in getattr(material, key) or ()
+            ]
+    if hasattr(material, "Materials"):
+        return [(0.0, _called(part)) for part in material.Materials]
+    # One layer, profile or constituent of no set has its material as well.
+    return [(0.0, _called(getattr(material, "Material", material)))]
 
 
 def _called(material: Any) -> str:
