@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -242,6 +244,29 @@ def mesh_data(vertices, faces):
     }
 
 
+def moved(x, y, z):
+    """The matrix of a translation."""
+    return [[1, 0, 0, x], [0, 1, 0, y], [0, 0, 1, z], [0, 0, 0, 1]]
+
+
+def turned_about_z():
+    """The matrix of a quarter turn: x becomes y, and y becomes -x."""
+    return [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+
+
+def element(mesh=None, *, kind="BlockElement", name="", support=False, matrix=None):
+    """An element as a model of compas_model writes it: a class, and a mesh if that has one."""
+    geometry = mesh and {"dtype": "compas.datastructures/Mesh", "data": mesh_data(*mesh)}
+    motion = {"dtype": "compas.geometry/Transformation", "data": {"matrix": matrix}}
+    data = {
+        "name": name or kind,
+        "is_support": support,
+        "transformation": motion if matrix else None,
+        "geometry": geometry,
+    }
+    return {"dtype": f"compas_dem.elements/{kind}", "data": data}
+
+
 class TestCompas:
     """The layouts of several versions; the fields that matter are all that is written."""
 
@@ -263,24 +288,9 @@ class TestCompas:
         self.check(kept(tmp_path, "a.json", json.dumps(data)), ["0"])
 
     def test_elements_of_a_model_as_the_newest(self, tmp_path):
-        shift = [[1, 0, 0, 1.0], [0, 1, 0, 2.0], [0, 0, 1, 3.0], [0, 0, 0, 1]]
         elements = [
-            {
-                "dtype": "compas_dem.elements/BlockElement",
-                "data": {
-                    "name": name,
-                    "is_support": name == "c0u0",
-                    "transformation": {
-                        "dtype": "compas.geometry/Transformation",
-                        "data": {"matrix": shift},
-                    },
-                    "geometry": {
-                        "dtype": "compas.datastructures/Mesh",
-                        "data": mesh_data(v - [1, 2, 3], f),
-                    },
-                },
-            }
-            for name, v, f in brick_wall()
+            element((v - [1, 2, 3], f), name=n, support=n == "c0u0", matrix=moved(1.0, 2.0, 3.0))
+            for n, v, f in brick_wall()
         ]
         data = {"dtype": "compas_dem.models/BlockModel", "data": {"elements": elements}}
         path = kept(tmp_path, "a.json", json.dumps(data))
@@ -289,6 +299,132 @@ class TestCompas:
         for block, (name, vertices, _) in zip(made.blocks, brick_wall(), strict=True):
             assert block.id == name
             assert np.abs(block.vertices - vertices).max() < 1e-12
+
+    def test_a_group_moves_its_elements(self, tmp_path):
+        """Elements lie side by side, and a tree tells which is a part of which."""
+        low, high = "low", "high"
+        elements = {
+            "inner": element(kind="Group", matrix=turned_about_z()),
+            "outer": element(kind="Group", matrix=moved(10.0, 0.0, 0.0)),
+            low: element(box((1, 0, 0), (2, 1, 1)), matrix=moved(0.0, 0.0, 1.0)),
+            high: element(box((0, 0, 2), (1, 1, 3))),
+        }
+        part = [{"name": "ElementNode", "element": low}]
+        inner = [{"name": "ElementNode", "element": "inner", "children": part}]
+        outer = {"name": "ElementNode", "element": "outer", "children": inner}
+        root = {"name": "root", "children": [outer, {"name": "ElementNode", "element": high}]}
+        for table in (elements, [{"guid": key, **own} for key, own in elements.items()]):
+            data = {"elements": table, "tree": {"root": root}}
+            data |= {"transformation": {"data": {"matrix": moved(0.0, 5.0, 0.0)}}}
+            made = blocks_of(kept(tmp_path, "a.json", json.dumps({"data": data})))
+            # Up by 1, a quarter turn about z, 10 along x, and with the whole model 5 along y.
+            first, second = (block.vertices for block in made.blocks)
+            assert first.min(axis=0) == pytest.approx([9.0, 6.0, 1.0])
+            assert first.max(axis=0) == pytest.approx([10.0, 7.0, 2.0])
+            assert second.min(axis=0) == pytest.approx([0.0, 5.0, 2.0])
+            assert not made.notes
+
+    def test_elements_have_the_names_that_they_were_given(self, tmp_path):
+        at = [box((0, 0, k), (1, 1, k + 1)) for k in range(5)]
+        names = ["pier", "twice", "twice", "BlockElement", ""]
+        elements = {
+            f"guid{k}": element(one, name=name)
+            for k, (one, name) in enumerate(zip(at, names, strict=True))
+        }
+        made = blocks_of(kept(tmp_path, "a.json", json.dumps({"elements": elements})))
+        assert [b.id for b in made.blocks] == ["pier", "guid1", "guid2", "guid3", "guid4"]
+
+    def test_boxes_are_read_in_their_frames(self, tmp_path):
+        frame = {"point": [10.0, 0.0, 0.0], "xaxis": [0.0, 2.0, 0.0], "yaxis": [-1.0, 0.5, 0.0]}
+        sides = {"xsize": 1.0, "ysize": 2.0, "zsize": 4.0}
+        for own in (frame, {"dtype": "compas.geometry/Frame", "data": frame}):
+            data = {"dtype": "compas.geometry/Box", "data": {**sides, "frame": own}}
+            made = blocks_of(kept(tmp_path, "a.json", json.dumps({"pier": data})))
+            (block,) = made.blocks
+            assert block.id == "pier"
+            # The first axis is y; the second, square to it, is -x.
+            assert block.vertices.min(axis=0) == pytest.approx([9.0, -0.5, -2.0])
+            assert block.vertices.max(axis=0) == pytest.approx([11.0, 0.5, 2.0])
+            assert volumes(made) == pytest.approx([8.0])
+
+    @pytest.mark.parametrize(
+        ("change", "said"),
+        [
+            ({"xsize": 0.0}, 'block "pier": its box has a side that is not above zero'),
+            ({"ysize": "a"}, 'block "pier": a side of its box is no finite number'),
+            ({"frame": {"point": [0, 0, 0]}}, 'block "pier": the xaxis of its frame'),
+            (
+                {"frame": {"point": [0, 0, 0], "xaxis": [1, 0, 0], "yaxis": [2, 0, 0]}},
+                'block "pier": the axes of its frame are in one line',
+            ),
+        ],
+    )
+    def test_torn_boxes_are_told(self, tmp_path, change, said):
+        frame = {"point": [0, 0, 0], "xaxis": [1, 0, 0], "yaxis": [0, 1, 0]}
+        data = {"xsize": 1.0, "ysize": 1.0, "zsize": 1.0, "frame": frame} | change
+        path = kept(tmp_path, "a.json", json.dumps({"pier": {"data": data}}))
+        with pytest.raises(ModelError, match=said):
+            blocks_of(path)
+
+    def test_what_has_no_mesh_is_counted(self, tmp_path):
+        ball = {"dtype": "compas.geometry/Sphere", "data": {"radius": 1.0}}
+        brep = {"dtype": "compas_occ.brep/OCCBrep", "data": {"vertices": [{}], "faces": [{}]}}
+        empty = {"dtype": "compas.datastructures/Mesh", "data": {"vertex": {}, "face": {}}}
+        stone = box((0, 0, 0), (1, 1, 1))
+        notch = {"dtype": "compas_dem.elements/BlockFeature", "data": mesh_data(*stone)}
+        elements = {
+            "a": element(stone, name="a") | {"features": [notch]},
+            "b": element(kind="ColumnElement"),
+            "c": element(kind="Group"),
+            "d": {"dtype": "compas_dem.elements/Block", "data": {"geometry": brep}},
+        }
+        data = {"elements": elements, "beside": [ball, ball, empty]}
+        made = blocks_of(kept(tmp_path, "a.json", json.dumps(data)))
+        assert [b.id for b in made.blocks] == ["a"]
+        assert [note.split(": ", 1)[1] for note in made.notes] == [
+            "1 left out: BlockFeature, a feature",
+            "1 left out: ColumnElement",
+            "1 left out: Mesh",
+            "1 left out: OCCBrep",
+            "2 left out: Sphere",
+        ]
+        path = kept(tmp_path, "b.json", json.dumps([ball, ball]))
+        with pytest.raises(ModelError, match=r"holds no meshes \(2 left out: Sphere\)"):
+            blocks_of(path)
+
+    def test_what_lies_between_two_blocks_is_none(self, tmp_path):
+        plate = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+        mesh = {"dtype": "compas.datastructures/Mesh", "data": mesh_data(plate, [(0, 1, 2, 3)])}
+        joint = {"dtype": "compas_dem.interactions/FrictionContact", "data": {"mesh": mesh}}
+        nodes = {
+            repr(name): {"block": mesh_data(*box((0, 0, k), (1, 1, k + 1))), "is_support": k == 0}
+            for k, name in enumerate(("edge", "contacts"))
+        }
+        graphs = [
+            {"node": nodes, "edge": {"'edge'": {"'contacts'": {"interfaces": [{"mesh": mesh}]}}}},
+            {"node": nodes, "edge": {"'edge'": {"'contacts'": {"contacts": [joint]}}}},
+            {"node": nodes, "joints": [joint]},
+            {"node": {key.strip("'"): own for key, own in nodes.items()}, "interfaces": [mesh]},
+        ]
+        for graph in graphs:
+            made = blocks_of(kept(tmp_path, "a.json", json.dumps({"graph": graph})))
+            assert [(b.id, b.support) for b in made.blocks] == [("edge", True), ("contacts", False)]
+
+    @pytest.mark.parametrize(
+        "name", ["a'b", 'a "b"', "back\\slash", "7", "semicircle/left", "tree"]
+    )
+    def test_nodes_have_the_literals_of_their_names_as_keys(self, tmp_path, name):
+        (first, *_) = shapes()
+        text = compas_format.write([replace(first, name=name)], "a wall")
+        (key,) = json.loads(text)["data"]["graph"]["data"]["node"]
+        assert str(ast.literal_eval(key)) == name
+        assert [b.id for b in blocks_of(kept(tmp_path, "a.json", text)).blocks] == [name]
+
+    def test_keys_of_nodes_that_are_no_literals_are_names(self, tmp_path):
+        for key in ("it's", "'torn", "'a' b'", "(1, 2)", "'\\d'"):
+            data = {"node": {key: {"block": mesh_data(*box((0, 0, 0), (1, 1, 1)))}}}
+            (block,) = blocks_of(kept(tmp_path, "a.json", json.dumps(data))).blocks
+            assert block.id == {"'\\d'": "\\d"}.get(key, key)
 
     def test_half_edges_and_polyhedra(self, tmp_path):
         vertices, faces = box((0, 0, 0), (1, 1, 1))

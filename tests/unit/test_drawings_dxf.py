@@ -287,45 +287,173 @@ class TestSpace:
                 blocks_of(path, unit="m")
 
 
-def test_ifc_elements_are_blocks(tmp_path):
-    ifcopenshell = pytest.importorskip("ifcopenshell")
-    for part in ("aggregate", "context", "geometry", "project", "root", "spatial", "unit"):
-        importlib.import_module(f"ifcopenshell.api.{part}")
-    file = ifcopenshell.api.project.create_file()
-    project = ifcopenshell.api.root.create_entity(file, ifc_class="IfcProject", name="a")
-    ifcopenshell.api.unit.assign_unit(file)  # millimetres
-    model = ifcopenshell.api.context.add_context(file, context_type="Model")
-    body = ifcopenshell.api.context.add_context(
-        file,
-        context_type="Model",
-        context_identifier="Body",
-        target_view="MODEL_VIEW",
-        parent=model,
-    )
-    storey = ifcopenshell.api.root.create_entity(file, ifc_class="IfcBuildingStorey", name="ground")
-    ifcopenshell.api.aggregate.assign_object(file, products=[storey], relating_object=project)
-    for name, kind, low, high in (
-        ("wall", "IfcWall", (0, 0, 0), (2, 0.3, 1)),
-        ("foot", "IfcFooting", (0, 0, -0.5), (2, 0.3, 0)),
-    ):
-        element = ifcopenshell.api.root.create_entity(file, ifc_class=kind, name=name)
+class IfcModel:
+    """A file in millimetres of boxes on one storey, by ifcopenshell; arguments are in metres."""
+
+    PARTS = (
+        "aggregate", "context", "geometry", "material", "project", "root", "spatial", "unit",
+    )  # fmt: skip
+
+    def __init__(self):
+        pytest.importorskip("ifcopenshell")
+        self.api = importlib.import_module("ifcopenshell.api")
+        for part in self.PARTS:
+            importlib.import_module(f"ifcopenshell.api.{part}")
+        self.file = self.api.project.create_file()
+        project = self.make("IfcProject", "a")
+        self.api.unit.assign_unit(self.file)
+        model = self.api.context.add_context(self.file, context_type="Model")
+        self.body = self.api.context.add_context(
+            self.file,
+            context_type="Model",
+            context_identifier="Body",
+            target_view="MODEL_VIEW",
+            parent=model,
+        )
+        self.storey = self.make("IfcBuildingStorey", "ground")
+        self.put_in(project, self.storey)
+
+    def make(self, kind, name):
+        return self.api.root.create_entity(self.file, ifc_class=kind, name=name)
+
+    def put_in(self, whole, *parts):
+        self.api.aggregate.assign_object(self.file, products=list(parts), relating_object=whole)
+
+    def box(self, kind, name, low, high, whole=None):
+        """An element on the storey, or a part of another element."""
+        element = self.make(kind, name)
         vertices, faces = box(low, high)
-        shape = ifcopenshell.api.geometry.add_mesh_representation(
-            file, context=body, vertices=[vertices.tolist()], faces=[[list(f) for f in faces]]
+        shape = self.api.geometry.add_mesh_representation(
+            self.file,
+            context=self.body,
+            vertices=[vertices.tolist()],
+            faces=[[list(f) for f in faces]],
         )
-        ifcopenshell.api.geometry.assign_representation(file, product=element, representation=shape)
-        ifcopenshell.api.spatial.assign_container(
-            file, products=[element], relating_structure=storey
+        self.api.geometry.assign_representation(self.file, product=element, representation=shape)
+        if whole is not None:
+            self.put_in(whole, element)
+        elif not element.is_a("IfcFeatureElement"):
+            self.api.spatial.assign_container(
+                self.file, products=[element], relating_structure=self.storey
+            )
+        return element
+
+    def material(self, name):
+        return self.api.material.add_material(self.file, name=name)
+
+    def layered(self, element, *layers):
+        """Give an element layers of a material and a thickness [mm], as walls are exported."""
+        made = self.api.material.add_material_set(
+            self.file, name="layers", set_type="IfcMaterialLayerSet"
         )
-    path = tmp_path / "a.ifc"
-    file.write(str(path))
-    made = blocks_of(path)
+        for material, thickness in layers:
+            layer = self.api.material.add_layer(self.file, layer_set=made, material=material)
+            layer.LayerThickness = thickness
+        self.assign(element, made, "IfcMaterialLayerSetUsage")
+
+    def assign(self, element, material, kind="IfcMaterial"):
+        self.api.material.assign_material(
+            self.file, products=[element], type=kind, material=material
+        )
+
+    def blocks(self, tmp_path, **settings):
+        path = tmp_path / "a.ifc"
+        self.file.write(str(path))
+        return blocks_of(path, **settings)
+
+
+def test_ifc_elements_are_blocks(tmp_path):
+    model = IfcModel()
+    model.box("IfcWall", "wall", (0, 0, 0), (2, 0.3, 1))
+    model.box("IfcFooting", "foot", (0, 0, -0.5), (2, 0.3, 0))
+    made = model.blocks(tmp_path)
     found = {b.id: (round(solid.volume_of(b.vertices, b.faces), 9), b.support) for b in made.blocks}
     assert found == {"wall": (0.6, False), "foot": (0.3, True)}
     assert all(b.groups == ("ground",) for b in made.blocks)
+    path = tmp_path / "a.ifc"
     path.write_text("ISO-10303-21;\nnothing\n")
     with pytest.raises(ModelError, match=r'"a\.ifc": '):
         blocks_of(path)
+
+
+def test_ifc_elements_of_any_kind_are_blocks_unless_they_are_no_masonry(tmp_path):
+    model = IfcModel()
+    stones = ("IfcWall", "IfcChimney", "IfcRamp", "IfcRampFlight", "IfcCovering", "IfcCivilElement")
+    others = ("IfcRailing", "IfcDoor", "IfcFurniture", "IfcFlowSegment", "IfcFlowSegment")
+    for k, kind in enumerate((*stones, *others)):
+        model.box(kind, kind, (2 * k, 0, 0), (2 * k + 1, 1, 1))
+    model.box("IfcOpeningElement", "opening", (0, 5, 0), (1, 6, 1))
+    model.make("IfcStair", "nothing")
+    made = model.blocks(tmp_path)
+    assert [b.id for b in made.blocks] == list(stones)
+    notes = [note.split(": ", 1)[1] for note in made.notes]
+    assert notes[:-1] == [
+        "2 left out: IfcDistributionElement",
+        "1 left out: IfcDoor",
+        "1 left out: IfcFurnishingElement",
+        "1 left out: IfcRailing",
+        "1 left out: IfcStair without a solid",
+        'without a material in the file: "IfcWall", "IfcChimney", "IfcRamp", "IfcRampFlight", '
+        '"IfcCovering" and 1 more',
+    ]
+
+
+def test_ifc_parts_are_blocks_and_wholes_without_masonry_among_their_parts(tmp_path):
+    model = IfcModel()
+    leaves = model.make("IfcWall", "leaves")
+    model.box("IfcCovering", "leaf", (0, 0, 0), (1, 0.1, 1), whole=leaves)
+    model.box("IfcBuildingElementPart", "core", (0, 0.1, 0), (1, 0.3, 1), whole=leaves)
+    reinforced = model.box("IfcWall", "reinforced", (2, 0, 0), (3, 0.3, 1))
+    model.box("IfcReinforcingBar", "bar", (2.1, 0.1, 0), (2.2, 0.2, 1), whole=reinforced)
+    footing = model.make("IfcFooting", "footing")
+    model.box("IfcBuildingElementPart", "plinth", (0, 0, -1), (3, 0.3, 0), whole=footing)
+    facade = model.make("IfcCurtainWall", "facade")
+    model.box("IfcPlate", "pane", (0, 9, 0), (1, 9.1, 1), whole=facade)
+    made = model.blocks(tmp_path)
+    found = {b.id: b.support for b in made.blocks}
+    assert found == {"leaf": False, "core": False, "reinforced": False, "plinth": True}
+    notes = [note.split(": ", 1)[1] for note in made.notes]
+    assert notes[:2] == ["1 left out: IfcCurtainWall", "1 left out: IfcReinforcingElement"]
+
+
+def test_a_layer_of_ifc_is_the_name_of_the_material(tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    model = IfcModel()
+    tuff, brick, plaster = map(model.material, ("tuff", "brick", "plaster"))
+    walls = {
+        name: model.box("IfcWall", name, (2 * k, 0, 0), (2 * k + 1, 0.3, 1))
+        for k, name in enumerate(("plain", "layered", "plastered", "listed", "set", "one", "none"))
+    }
+    model.assign(walls["plain"], tuff)
+    model.layered(walls["layered"], (tuff, 150.0), (tuff, 150.0))
+    model.layered(walls["plastered"], (plaster, 20.0), (brick, 280.0))
+    model.assign(walls["listed"], brick, "IfcMaterialList")
+    made = model.api.material.add_material_set(
+        model.file, name="set", set_type="IfcMaterialConstituentSet"
+    )
+    for material in (tuff, plaster):
+        model.api.material.add_constituent(model.file, constituent_set=made, material=material)
+    model.assign(walls["set"], made)
+    layer = model.file.createIfcMaterialLayer(brick, 280.0)
+    model.file.createIfcRelAssociatesMaterial(
+        ifcopenshell.guid.new(), None, None, None, [walls["one"]], layer
+    )
+    made = model.blocks(tmp_path)
+    assert {b.id: b.material for b in made.blocks} == {
+        "plain": "tuff",
+        "layered": "tuff",
+        "plastered": "brick",
+        "listed": "brick",
+        "set": "tuff",
+        "one": "brick",
+        "none": "stone",  # of the import
+    }
+    notes = [note.split(": ", 1)[1] for note in made.notes]
+    assert notes[:2] == [
+        "with several materials, of which that of the thickest layer is taken, or else the first: "
+        '"plastered", "set"',
+        'without a material in the file: "none"',
+    ]
 
 
 @pytest.mark.parametrize(

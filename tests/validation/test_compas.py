@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 
 import compas_here
 import drystone as ds
+from drawn import box
 from drystone.common.errors import ModelError
 from drystone.compas import model_of, solve
 from drystone.compas.results import results_of
+from drystone.io.drawings import FORMATS, Shape
 from drystone.model.loading import AccelerationPattern, ForcesPattern, MassPattern
 
 compas = pytest.importorskip("compas", reason="pip install 'drystone[compas]'")
@@ -229,6 +232,12 @@ def _instantaneous(problem):
     )
 
 
+def _instantaneous_everywhere(problem):
+    problem.add_boundary_condition("Quake").add_global_body_force(
+        3.0, 0.0, 0.0, loading_type="instantaneous"
+    )
+
+
 def _moment(problem):
     problem.add_boundary_condition("Twist").add_moment(3, [0.0, 1e3, 0.0])
 
@@ -276,6 +285,7 @@ def _two_gravities(problem):
     ("given", "said"),
     [
         (_instantaneous, 'boundary condition "Bang", point load 1: loading_type="instantaneous"'),
+        (_instantaneous_everywhere, 'boundary condition "Quake", body force 1: loading_type='),
         (_moment, 'boundary condition "Twist", point load 1: has a moment'),
         (_moved_block, 'boundary condition "Pull", displacement 1: moves block 3'),
         (_supports_apart, 'boundary condition "Apart": its supports move in different ways'),
@@ -294,6 +304,112 @@ def test_what_drystone_cannot_do_is_refused_by_name(given, said):
     with pytest.raises(ModelError) as raised:
         model_of(problem)
     assert said in str(raised.value)
+
+
+def test_loads_of_all_boundary_conditions_are_refused_at_once():
+    problem = compas_here.problem_of(compas_here.arch())
+    _instantaneous_everywhere(problem)
+    _moment(problem)
+    with pytest.raises(ModelError) as raised:
+        model_of(problem, load="Quake")
+    assert [line.split(":")[0] for line in raised.value.problems] == [
+        'boundary condition "Quake", body force 1',
+        'boundary condition "Twist", point load 1',
+    ]
+
+
+def test_blocks_of_a_group_stand_where_it_moves_them():
+    from compas.geometry import Translation
+    from compas_model.elements import Group
+
+    model = compas_here.wall()
+    plain = model_of(compas_here.problem_of(model), direction=X).assembly
+    grouped = type(model)()
+    group = grouped.add_element(Group(transformation=Translation.from_vector([0.0, 0.0, 2.0])))
+    for block in model.elements():
+        grouped.add_element(block.copy(), parent=group)
+    assembly = model_of(compas_here.problem_of(grouped), direction=X).assembly
+    # The group is the node 0 of the graph.
+    assert assembly.ids == tuple(str(int(name) + 1) for name in plain.ids)
+    assert assembly.centroid == pytest.approx(plain.centroid + [0.0, 0.0, 2.0])
+
+
+def read_back(model, folder: Path) -> list[tuple[str, bool, np.ndarray]]:
+    """Names, supports and vertices (n, 3) [m] of the blocks of a file that COMPAS wrote."""
+    compas.json_dump(model, folder / "model.json")
+    settings = ds.ImportSettings(file=folder / "model.json", unit="m")
+    made = ds.imported(settings, lambda layer: ("stone", 2e4))
+    return [(block.id, block.support, block.vertices) for block in made.blocks]
+
+
+def test_blocks_of_a_file_stand_where_groups_move_them(tmp_path):
+    from compas.geometry import Rotation, Translation
+    from compas_model.elements import Group
+
+    plain = compas_here.wall()
+    model = type(plain)()
+    model.transformation = Translation.from_vector([0.0, 3.0, 0.0])
+    turned = Rotation.from_axis_and_angle([0.0, 0.0, 1.0], 0.3)
+    outer = model.add_element(Group(transformation=Translation.from_vector([5.0, 0.0, 0.0])))
+    inner = model.add_element(Group(transformation=turned), parent=outer)
+    blocks = [block.copy() for block in plain.elements()]
+    for k, block in enumerate(blocks):
+        block.name = f"stone {k}"
+        model.add_element(block, parent=inner)
+    found = read_back(model, tmp_path)
+    for block, (name, support, vertices) in zip(blocks, found, strict=True):
+        assert (name, support) == (block.name, block.is_support)
+        points = np.array(block.modelgeometry.vertices_attributes("xyz"))
+        away = np.linalg.norm(points[:, None] - vertices, axis=2).min(axis=1)
+        assert away.max() < 1e-9  # of roundings at ten metres
+
+
+def test_contacts_that_were_computed_are_no_blocks(tmp_path):
+    model = compas_here.wall()
+    model.compute_contacts()
+    contacts = list(model.contacts())
+    assert contacts
+    assert all(contact.mesh for contact in contacts)  # which are written from then on
+    assert len(read_back(model, tmp_path)) == len(list(model.elements()))
+
+
+def written(names: list[str]) -> str:
+    """An assembly of cubes as drystone writes it."""
+    shapes = []
+    for k, name in enumerate(names):
+        vertices, faces = box((0, 0, k), (1, 1, k + 1))
+        shapes.append(Shape(name=name, vertices=vertices, faces=tuple(faces), support=k == 0))
+    return FORMATS["compas"].write(shapes, "cubes", (0.0, 0.0, 0.0))
+
+
+NAMES = ["semicircle/left", "it's", 'a "b"', "7"]
+
+
+def test_compas_loads_the_graph_of_an_assembly(tmp_path):
+    data = json.loads(written(NAMES))["data"]["graph"]
+    (tmp_path / "graph.json").write_text(json.dumps(data))
+    graph = compas.json_load(tmp_path / "graph.json")
+    assert list(graph.nodes()) == ["semicircle/left", "it's", 'a "b"', 7]
+    assert [graph.node_attribute(node, "is_support") for node in graph.nodes()][:2] == [True, False]
+    volumes = [graph.node_attribute(node, "block").volume() for node in graph.nodes()]
+    assert volumes == pytest.approx([1.0] * 4)
+
+
+def test_compas_assembly_loads_an_assembly(tmp_path):
+    pytest.importorskip("compas_assembly")
+    (tmp_path / "a.json").write_text(written(NAMES))
+    assembly = compas.json_load(tmp_path / "a.json")
+    assert [block.volume() for block in assembly.blocks()] == pytest.approx([1.0] * 4)
+    assert [name for name, _, _ in read_back(assembly, tmp_path)] == NAMES
+
+
+def test_elements_that_are_no_blocks_are_named():
+    from compas_model.elements import ColumnElement
+
+    model = compas_here.wall()
+    model.add_element(ColumnElement(width=0.3, depth=0.3, height=2.0, name="pier"))
+    with pytest.raises(ModelError, match=r'element 8, "pier": is a ColumnElement'):
+        model_of(compas_here.problem_of(model), direction=X)
 
 
 def test_a_curve_needs_a_joint_stiffness():

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.common.errors import ModelError
 from drystone.compas.blocks import EVERY, name_of
-from drystone.compas.forces import acting_forces, place_on
+from drystone.compas.forces import acting_forces, check_loads, place_on
 from drystone.compas.growing import group_name
 from drystone.compas.movements import moves_of
 from drystone.model.assembly import Block
@@ -54,9 +54,11 @@ def actions_of(
     Raises
     ------
     ModelError
-        Something that drystone cannot do, by name; all of it at once.
+        Something that drystone cannot do, by name.  Loads that no static analysis takes are named
+        all at once, and before any is translated.
     """
     by_node = {element.graphnode: element for element in elements}
+    check_loads(problem, by_node)
     by_name = {block.id: block for block in blocks}
     masses = {
         int(block.id): block.unit_weight * block.figure().volume / gravity for block in blocks

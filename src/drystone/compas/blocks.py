@@ -23,8 +23,24 @@ def name_of(node: int) -> str:
 
 
 def elements(model: Any) -> list[Any]:
-    """The blocks of a `BlockModel`, supports included, in its own order."""
-    return list(model.elements())
+    """The blocks of a `BlockModel`, supports included, in its own order.
+
+    A `Group` has no shape of its own: it moves its blocks, and their meshes in model coordinates
+    have that motion.
+
+    Raises `ModelError` where an element is neither, by name.
+    """
+    from compas_dem.elements import Block
+    from compas_model.elements import Group
+
+    found = [one for one in model.elements() if not isinstance(one, Group)]
+    if wrong := [one for one in found if not isinstance(one, Block)]:
+        raise ModelError(
+            f'element {one.graphnode}, "{one.name}": is a {type(one).__name__}, and drystone '
+            "solves blocks: add it as Block.from_mesh(mesh) of compas_dem"
+            for one in wrong
+        )
+    return found
 
 
 def imported_blocks(
@@ -47,7 +63,7 @@ def imported_blocks(
     Raises
     ------
     ModelError
-        A block has no density, or its mesh is no solid.
+        An element is no block, or a block has no density, or its mesh is no solid.
     """
     blocks = elements(model)
     if not blocks:

@@ -11,6 +11,7 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.errors import ModelError
 from drystone.compas.blocks import name_of
+from drystone.compas.growing import group_name
 from drystone.model.assembly import Block
 from drystone.model.loading.targets import CENTRE
 
@@ -39,33 +40,18 @@ class Force:
     everywhere: bool = False  # of a body force
 
 
-def acting_forces(
-    place: str, group: Any, elements: Mapping[int, Any], masses: Mapping[int, float]
-) -> tuple[list[Force], list[str]]:
-    """Forces on the blocks that move, and a sentence on each that a support takes.
-
-    ``masses`` [kg] are those of the blocks, by node.
-
-    Raises `ModelError` where a load is of a kind that is not static, or has a moment.
-    """
-    if wrong := _impossible(place, group, elements):
+def check_loads(problem: Any, elements: Mapping[int, Any]) -> None:
+    """Raise `ModelError` on all loads of a problem that no static analysis of drystone takes."""
+    if wrong := [
+        sentence
+        for group in problem.boundary_conditions
+        for sentence in _impossible(group_name(problem, group), group, elements)
+    ]:
         raise ModelError(wrong)
-    forces = [
-        *_of_body_forces(place, group.body_forces, masses),
-        *_of_point_loads(place, group.point_loads),
-        *_of_surface_loads(place, group.surface_loads, elements),
-    ]
-    acting = [one for one in forces if not elements[one.node].is_support and one.force.any()]
-    unused = [
-        f"{one.place}: acts on the support {one.node}, and on nothing else"
-        for one in forces
-        if elements[one.node].is_support and not one.everywhere
-    ]
-    return acting, unused
 
 
 def _impossible(place: str, group: Any, elements: Mapping[int, Any]) -> list[str]:
-    """What no static analysis of drystone can take, a sentence each."""
+    """Loads in time, moments, and loads on a block that is not there, a sentence each."""
     found = []
     for kind in ("body_forces", "point_loads", "surface_loads"):
         word = kind[:-1].replace("_", " ")
@@ -84,6 +70,30 @@ def _impossible(place: str, group: Any, elements: Mapping[int, Any]) -> list[str
             if (node := getattr(one, "block_index", None)) is not None and node not in elements:
                 found.append(f"{where}: there is no block at node {node} of the graph")
     return found
+
+
+def acting_forces(
+    place: str, group: Any, elements: Mapping[int, Any], masses: Mapping[int, float]
+) -> tuple[list[Force], list[str]]:
+    """Forces on the blocks that move, and a sentence on each that a support takes.
+
+    ``masses`` [kg] are those of the blocks, by node.  The loads are those that `check_loads`
+    has taken.
+
+    Raises `ModelError` where the face of a surface load is not there.
+    """
+    forces = [
+        *_of_body_forces(place, group.body_forces, masses),
+        *_of_point_loads(place, group.point_loads),
+        *_of_surface_loads(place, group.surface_loads, elements),
+    ]
+    acting = [one for one in forces if not elements[one.node].is_support and one.force.any()]
+    unused = [
+        f"{one.place}: acts on the support {one.node}, and on nothing else"
+        for one in forces
+        if elements[one.node].is_support and not one.everywhere
+    ]
+    return acting, unused
 
 
 def _of_body_forces(place: str, loads: Any, masses: Mapping[int, float]) -> list[Force]:

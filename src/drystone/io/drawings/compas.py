@@ -2,31 +2,30 @@
 
 Their layouts have changed with every version.  What has not is that a mesh is a table of "vertex"
 and "face", or of "vertices" and "faces" for polyhedra, and that a support says "is_support" beside
-it.  Meshes are therefore looked for wherever they are, and what holds them tells their names.
+it.  Meshes are therefore looked for wherever they are but between two blocks, and what holds them
+tells their names.
 """
 
 from __future__ import annotations
 
+import ast
 import json
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
+from drystone.common.arrays import Array
+from drystone.io.drawings.compas_meshes import vertices_and_faces
+from drystone.io.drawings.compas_search import Path, matrix_of, search
+from drystone.io.drawings.drawing import Drawing, Shape, tidy_name
 from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
-from drystone.model.construction.words import printable
 
 #: Keys on the way to a mesh that are no names of blocks.
 _HOLDERS = {
     "blocks", "block", "data", "geometry", "mesh", "node", "nodes", "graph", "elements", "element",
     "value", "modelgeometry", "_geometry", "shape", "tree", "children", "root", "assembly", "items",
 }  # fmt: skip
-#: Depth of tables inside each other that no file of theirs has.
-DEEPEST = 40
-
-Path = tuple[tuple[Any, Any], ...]  # what holds what, from outside: each holder and its key
 
 
 def read(contents: bytes) -> Drawing:
@@ -41,114 +40,34 @@ def read(contents: bytes) -> Drawing:
         ) from None
     except (RecursionError, ValueError):
         raise ModelError(["is no JSON that an assembly has: save it anew"]) from None
+    found, others = search(data)
+    left_out = [f"{n} left out: {what}" for what, n in sorted(others.items())]
+    if not found:
+        only = f" ({'; '.join(left_out[:3])})" if left_out else ""
+        raise ModelError([f"holds no meshes{only}: save the assembly with its blocks as meshes"])
     marked = _supports_beside(data)
     shapes: list[Shape] = []
-    for path, mesh in _meshes(data, ()):
-        name = _name(path, len(shapes))
+    for path, table, given in found:
+        name = given or _name(path, len(shapes))
         place = f'block "{name}": '
-        vertices, faces = _vertices_and_faces(mesh, place)
-        vertices = _transformed(vertices, path, place)
+        vertices, faces = vertices_and_faces(table, place)
         shapes.append(
             Shape(
                 name=name,
-                vertices=vertices,
+                vertices=_transformed(vertices, path, place),
                 faces=faces,
                 support=name in marked or any(_says_support(holder) for holder, _ in path),
             )
         )
-    if not shapes:
-        raise ModelError(["holds no meshes: save the assembly with its blocks"])
-    return Drawing(shapes=tuple(shapes), up="z")
-
-
-def _meshes(data: Any, path: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
-    """Meshes and polyhedra, each with what holds it."""
-    if len(path) > DEEPEST:
-        return
-    if isinstance(data, dict):
-        if _is_mesh(data):
-            yield (*path, (data, None)), data
-            return
-        for key, value in data.items():
-            if isinstance(value, dict | list):
-                yield from _meshes(value, (*path, (data, key)))
-    elif isinstance(data, list) and data and isinstance(data[0], dict | list):
-        for k, value in enumerate(data):
-            if isinstance(value, dict | list):
-                yield from _meshes(value, (*path, (data, k)))
-
-
-def _is_mesh(data: Mapping[str, Any]) -> bool:
-    halfedges = isinstance(data.get("vertex"), dict) and isinstance(data.get("face"), dict)
-    listed = isinstance(data.get("vertices"), list) and isinstance(data.get("faces"), list)
-    return bool((halfedges and data["face"]) or (listed and data["faces"]))
-
-
-def _vertices_and_faces(
-    mesh: Mapping[str, Any], place: str
-) -> tuple[np.ndarray, tuple[tuple[int, ...], ...]]:
-    """Vertices (n, 3) and faces of a mesh in either layout."""
-    if isinstance(mesh.get("vertex"), dict):
-        defaults = mesh.get("default_vertex_attributes") or mesh.get("dva") or {}
-        row = {str(key): k for k, key in enumerate(mesh["vertex"])}
-        vertices = [
-            [_coordinate(own, axis, defaults, place) for axis in "xyz"]
-            for own in mesh["vertex"].values()
-        ]
-        loops = list(mesh["face"].values())
-    else:
-        row = {str(k): k for k in range(len(mesh["vertices"]))}
-        vertices = [
-            [_finite(x, place) for x in (own if isinstance(own, list) else [None])]
-            for own in mesh["vertices"]
-        ]
-        if any(len(own) != 3 for own in vertices):
-            raise ModelError([f"{place}a vertex needs three numbers: the file is torn"])
-        loops = mesh["faces"]
-    faces = []
-    for loop in loops:
-        if isinstance(loop, dict):  # half-edges of the oldest versions: each vertex's next one
-            loop = _around(loop)
-        if not isinstance(loop, list):
-            raise ModelError([f"{place}a face is no list of vertices: the file is torn"])
-        unknown = [key for key in loop if str(key) not in row]
-        if unknown:
-            name = printable(str(unknown[0])[:20])
-            raise ModelError([f"{place}a face names vertex {name}, which is not there"])
-        face = tuple(row[str(key)] for key in loop)
-        if len(face) > 1 and face[0] == face[-1]:
-            face = face[:-1]
-        if len(face) > 2:
-            faces.append(face)
-    check_faces(len(vertices), faces, place)
-    return np.array(vertices, dtype=np.float64).reshape(-1, 3), tuple(faces)
-
-
-def _around(following: Mapping[str, Any]) -> list[Any]:
-    start = next(iter(following), None)
-    loop, at = [start], following.get(start) if start is not None else None
-    while at is not None and str(at) != str(start) and len(loop) <= len(following):
-        loop.append(at)
-        at = following.get(str(at))
-    return loop
-
-
-def _coordinate(vertex: Any, axis: str, defaults: Any, place: str) -> float:
-    value = vertex.get(axis) if isinstance(vertex, dict) else None
-    if value is None and isinstance(defaults, dict):
-        value = defaults.get(axis)
-    return _finite(value, place)
-
-
-def _finite(value: Any, place: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e12:
-        raise ModelError([f"{place}a vertex has no finite x, y and z: the file is torn"])
-    return float(value)
+    return Drawing(shapes=tuple(shapes), up="z", notes=tuple(left_out))
 
 
 def _name(path: Path, count: int) -> str:
     """The nearest key that is a name; of lists the element's own name, or its number."""
-    for holder, key in reversed(path):
+    for k in range(len(path) - 1, -1, -1):
+        holder, key = path[k]
+        if k and path[k - 1][1] == "node" and isinstance(key, str):
+            return tidy_name(_name_of_node(key)) or f"b{count + 1}"
         if key is None or (isinstance(key, str) and key in _HOLDERS):
             continue
         if isinstance(key, int):
@@ -156,6 +75,19 @@ def _name(path: Path, count: int) -> str:
             return tidy_name(_own_name(element) or f"b{key + 1}")
         return tidy_name(key) or f"b{count + 1}"
     return f"b{count + 1}"
+
+
+def _name_of_node(key: str) -> str:
+    """The key of a node of a graph, without the quotes that COMPAS writes around text."""
+    if key[:1] not in ("'", '"') or key[-1] != key[0]:
+        return key  # a number, or text of a file that has none around it
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a backslash that means nothing
+            value = ast.literal_eval(key)
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return key
+    return value if isinstance(value, str) else key
 
 
 def _own_name(element: Any) -> str:
@@ -196,32 +128,25 @@ def _supports_beside(data: Any) -> set[str]:
     return found
 
 
-def _transformed(vertices: np.ndarray, path: Path, place: str) -> np.ndarray:
+def _transformed(vertices: Array, path: Path, place: str) -> Array:
     """Vertices where the transformations of what holds them put them."""
     for holder, _ in reversed(path):
-        own = holder.get("transformation") if isinstance(holder, dict) else None
-        inner = own.get("data", own) if isinstance(own, dict) else None
-        matrix = inner.get("matrix") if isinstance(inner, dict) else None
-        if matrix is None:
-            continue
-        try:
-            rotation = np.array(matrix, dtype=np.float64)
-        except (TypeError, ValueError):
-            rotation = np.zeros(0)
-        if rotation.shape != (4, 4) or not np.isfinite(rotation).all():
-            raise ModelError(
-                [f"{place}its transformation is no matrix of 4 by 4: the file is torn"]
-            )
-        vertices = vertices @ rotation[:3, :3].T + rotation[:3, 3]
+        matrix = matrix_of(holder, place)
+        if matrix is not None:
+            vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     return vertices
 
 
 def write(shapes: Sequence[Shape], title: str) -> str:
-    """The text of a file in the layout of compas_assembly 0.4 and later."""
+    """The text of a file in the layout of compas_assembly 0.4 and later.
+
+    Keys of nodes are literals of Python, as COMPAS writes and reads them.
+    """
     nodes = {
-        tidy_name(shape.name): {
+        _literal(tidy_name(shape.name)): {
             "block": {
                 "dtype": "compas_assembly.datastructures/Block",
+                "inheritance": ["compas.datastructures/Mesh"],
                 "data": {
                     "attributes": {"name": tidy_name(shape.name)},
                     "default_vertex_attributes": {"x": 0.0, "y": 0.0, "z": 0.0},
@@ -247,9 +172,9 @@ def write(shapes: Sequence[Shape], title: str) -> str:
         "default_node_attributes": {"block": None, "is_support": False},
         "default_edge_attributes": {"interfaces": None},
         "node": nodes,
-        "edge": {name: {} for name in nodes},
-        "adjacency": {name: {} for name in nodes},
-        "max_node": len(nodes) - 1,
+        "edge": {key: {} for key in nodes},
+        "adjacency": {key: {} for key in nodes},
+        "max_node": max((int(key) for key in nodes if key.isdecimal()), default=-1),
     }
     data = {
         "dtype": "compas_assembly.datastructures/Assembly",
@@ -259,6 +184,11 @@ def write(shapes: Sequence[Shape], title: str) -> str:
         },
     }
     return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+
+
+def _literal(name: str) -> str:
+    """The key of a node: a number where the name is one, as in most files of COMPAS, else text."""
+    return name if name.isdecimal() and str(int(name)) == name else repr(name)
 
 
 FORMAT = Format(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections import Counter
 from concurrent.futures import wait
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,16 +17,23 @@ from drystone.common.workers import WorkerError
 from drystone.io.drawings.drawing import Drawing, Shape, check_faces, tidy_name
 from drystone.io.drawings.format import Format
 from drystone.model.construction.errors import ModelError
-from drystone.model.construction.words import printable
+from drystone.model.construction.words import listed, printable
 
-#: What is built and may be of stone; doors, furniture and pipes are not.
-KINDS = (
-    "IfcBeam", "IfcBuildingElementPart", "IfcBuildingElementProxy", "IfcColumn", "IfcFooting",
-    "IfcMember", "IfcPlate", "IfcRoof", "IfcSlab", "IfcStair", "IfcStairFlight", "IfcWall",
-    "IfcPile", "IfcDiscreteAccessory", "IfcElementAssembly",
+#: What is no masonry, in any version of the schema; the subtypes of each are none either.
+NO_MASONRY = (
+    "IfcBearing", "IfcCurtainWall", "IfcDistributionElement", "IfcDoor", "IfcEarthworksElement",
+    "IfcElectricalElement", "IfcEquipmentElement", "IfcFastener", "IfcFurnishingElement",
+    "IfcGeographicElement", "IfcGeotechnicalElement", "IfcImpactProtectionDevice",
+    "IfcMechanicalFastener", "IfcMooringDevice", "IfcNavigationElement", "IfcRail", "IfcRailing",
+    "IfcReinforcingElement", "IfcShadingDevice", "IfcSign", "IfcTrackElement",
+    "IfcTransportElement", "IfcTransportationDevice", "IfcVibrationDamper",
+    "IfcVibrationIsolator", "IfcWindow",
 )  # fmt: skip
+#: What is no element of its own: openings and projections, which the shapes of others have, and
+#: limits of spaces.
+SILENT = ("IfcFeatureElement", "IfcVirtualElement")
 #: Kinds that stand for the ground.
-SUPPORTS = ("IfcFooting", "IfcPile")
+SUPPORTS = ("IfcFooting", "IfcDeepFoundation", "IfcPile")
 
 
 #: Seconds that a file may take: the largest that are read take a few minutes.
@@ -70,55 +78,102 @@ def parsed(contents: bytes) -> Drawing:
             raise ModelError([f"is no IFC file that can be read: {_line(error)}"]) from None
     settings = ifcopenshell.geom.settings()
     settings.set("use-world-coords", True)
-    shapes, without = [], []
-    for element in _elements(file):
+    bodies, others = _bodies(file)
+    shapes: list[Shape] = []
+    several: list[str] = []  # elements of several materials
+    missing: list[str] = []  # and of none
+    for element, support in bodies:
         try:
             made: Any = ifcopenshell.geom.create_shape(settings, element)
         except Exception:  # no solid, or none that the kernel can make
-            without.append(_name(element))
+            others[_without_solid(element)] += 1
             continue
         vertices = np.array(made.geometry.verts, dtype=np.float64).reshape(-1, 3)
         faces = np.array(made.geometry.faces, dtype=np.int64).reshape(-1, 3).tolist()
         check_faces(len(vertices), faces)
-        storey = _storey(element)
+        storey, (layer, count) = _storey(element), _material(element)
+        if count != 1:
+            (several if count else missing).append(_name(element))
         shapes.append(
             Shape(
                 name=_name(element),
                 vertices=vertices,
                 faces=tuple(map(tuple, faces)),
-                layer=_material(element),
+                layer=layer,
                 groups=(storey,) if storey else (),
-                support=any(element.is_a(kind) for kind in SUPPORTS),
+                support=support,
             )
         )
+    left_out = [f"{n} left out: {what}" for what, n in sorted(others.items())]
     if not shapes:
-        raise ModelError(["holds no walls, slabs, columns or other solids of masonry"])
-    notes = (
-        (f"{len(without)} elements have no solid and were left out, the first is {without[0]}",)
-        if without
-        else ()
-    )
+        only = f" ({'; '.join(left_out[:3])})" if left_out else ""
+        raise ModelError([f"holds no walls, slabs, columns or other solids of masonry{only}"])
     # The kernel gives metres whatever the file's unit is.
+    notes = (*left_out, *_on_materials(several, missing))
     return Drawing(shapes=tuple(shapes), unit="m", up="z", notes=notes)
 
 
-def _elements(file: Any) -> list[Any]:
-    """Elements of masonry that are not made of others."""
-    found: dict[int, Any] = {}
-    for kind in KINDS:
-        try:
-            listed = file.by_type(kind)
-        except RuntimeError:  # a kind that this schema does not have
-            continue
-        for element in listed:
-            parts = [
-                part
-                for relation in getattr(element, "IsDecomposedBy", ()) or ()
-                for part in relation.RelatedObjects
-            ]
-            if not parts and getattr(element, "Representation", None) is not None:
-                found[element.id()] = element
-    return [found[key] for key in sorted(found)]
+def _on_materials(several: list[str], missing: list[str]) -> list[str]:
+    """Sentences on elements of several materials, and on those of none."""
+    found = []
+    if several:
+        found.append(
+            "with several materials, of which that of the thickest layer is taken, or else the "
+            f"first: {listed(several)}"
+        )
+    if missing:
+        found.append(f"without a material in the file: {listed(missing)}")
+    return found
+
+
+def _bodies(file: Any) -> tuple[list[tuple[Any, bool]], Counter[str]]:
+    """Elements of masonry that become blocks, in the order of the file, and whether each is a
+    support; by kind, how many elements are left out."""
+    others: Counter[str] = Counter()
+    seen: set[int] = set()
+    found = [
+        one
+        for element in file.by_type("IfcElement")
+        if not any(whole.is_a("IfcElement") for whole in _wholes(element))
+        for one in _in(element, False, seen, others)
+    ]
+    return sorted(found, key=lambda one: one[0].id()), others
+
+
+def _in(
+    element: Any, support: bool, seen: set[int], others: Counter[str]
+) -> list[tuple[Any, bool]]:
+    """The parts of an element that become blocks; without any of masonry the element itself."""
+    if element.id() in seen or any(map(element.is_a, SILENT)):
+        return []
+    seen.add(element.id())
+    if kind := next(filter(element.is_a, NO_MASONRY), ""):
+        others[kind] += 1
+        return []
+    support = support or any(map(element.is_a, SUPPORTS))
+    if found := [one for part in _parts(element) for one in _in(part, support, seen, others)]:
+        return found
+    if getattr(element, "Representation", None) is None:
+        others[_without_solid(element)] += 1
+        return []
+    return [(element, support)]
+
+
+def _without_solid(element: Any) -> str:
+    return f"{element.is_a()} without a solid"
+
+
+def _parts(element: Any) -> list[Any]:
+    return [
+        part
+        for relation in getattr(element, "IsDecomposedBy", ()) or ()
+        for part in relation.RelatedObjects
+    ]
+
+
+def _wholes(element: Any) -> list[Any]:
+    """What an element is a part of: at most one, if the file is sound."""
+    return [relation.RelatingObject for relation in getattr(element, "Decomposes", ()) or ()]
 
 
 def _name(element: Any) -> str:
@@ -130,18 +185,44 @@ def _storey(element: Any) -> str:
     for _ in range(8):
         for relation in getattr(element, "ContainedInStructure", ()) or ():
             return tidy_name(relation.RelatingStructure.Name or "")
-        whole = [relation.RelatingObject for relation in getattr(element, "Decomposes", ()) or ()]
-        if not whole:
+        wholes = _wholes(element)
+        if not wholes:
             return ""
-        element = whole[0]
+        element = wholes[0]
     return ""
 
 
-def _material(element: Any) -> str:
-    import ifcopenshell.util.element
+def _material(element: Any) -> tuple[str, int]:
+    """The name of an element's material, and how many materials it has.
 
-    material = ifcopenshell.util.element.get_material(element)
-    return tidy_name(getattr(material, "Name", "") or "") if material else ""
+    Of several that of the thickest layer, or the first where they are no layers.
+    """
+    from ifcopenshell.util.element import get_material
+
+    parts = _parts_of_material(get_material(element, should_skip_usage=True))
+    named = [(thickness, name) for thickness, name in parts if name]
+    if not named:
+        return "", 0
+    return max(named, key=lambda part: part[0])[1], len({name for _, name in named})
+
+
+def _parts_of_material(material: Any) -> list[tuple[float, str]]:
+    """Thickness, in units of the file, and name of each part of a material; 0 of all but layers."""
+    for key in ("MaterialLayers", "MaterialProfiles", "MaterialConstituents"):
+        if hasattr(material, key):
+            return [
+                (getattr(part, "LayerThickness", None) or 0.0, _called(part.Material))
+                for part in getattr(material, key) or ()
+            ]
+    if hasattr(material, "Materials"):
+        return [(0.0, _called(part)) for part in material.Materials]
+    # One layer, profile or constituent of no set has its material as well.
+    return [(0.0, _called(getattr(material, "Material", material)))]
+
+
+def _called(material: Any) -> str:
+    """Its name; nothing where a layer is of air, or a material has none."""
+    return tidy_name(getattr(material, "Name", None) or "")
 
 
 def _line(error: Exception) -> str:
