@@ -128,6 +128,7 @@ class DisplacementState:
     next_load: float = 0.0  # increment with which it grows next, until a displacement succeeds
     closing: float = math.inf  # m, of the joint that closes most under the dead load
     stage: int = FOLLOWING
+    unstable: bool = False  # whether the last point was an unstable equilibrium
 
 
 class DisplacementControl(Strategy[DisplacementState]):
@@ -206,6 +207,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             fallen=self._fallen(state, report),
             released=back and not state.time_step,
             last=multiplier,
+            unstable=report.unstable,
             slope=(multiplier - state.last) / advanced if advanced and not state.time_step else 0.0,
             next_load=0.0,
         )
@@ -316,6 +318,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         hidden = bend > s.bend_share * scale
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
+        if report.unstable and not state.unstable and not state.n_shorter:
+            return 0.25 * state.increment  # near by may be a stable one, of another branch
         return self._straighter(state, report, scale)
 
     def _straighter(

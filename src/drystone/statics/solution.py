@@ -447,7 +447,8 @@ def _shape(
     ends: where these meet, the curve has its corner.
 
     One that rises by more than along either tangent has a steeper part between them, behind which
-    it may have a peak: then it bends as a cubic does.
+    it may have a peak: then it bends as a cubic does.  One that falls by more than along either has
+    dropped between them, nobody knows where: it may have risen along the first tangent until then.
     """
     if not math.isfinite(slope + slope_end) or increment == 0.0:
         return None, None
@@ -455,6 +456,8 @@ def _shape(
     at = (change - at_end) / (rise - at_end) if rise != at_end else math.inf
     if change > max(rise, at_end, 0.0):
         return (0.0, 0.0), bend_of_cubic(rise, change, at_end)
+    if change < min(rise, at_end):
+        return (max(rise, 0.0) - max(change, 0.0), 0.5), (0.0, 0.0)
     if not 0.0 < at < 1.0:
         return (0.0, 0.0), (0.0, 0.0)
     corner = start + at * rise

@@ -458,8 +458,9 @@ def scale(point, n, cx, cy, area, weight):
         for i in range(n):
             x, y = point[i, 0] - cx, point[i, 1] - cy
             least = min(least, 1.0 + ax * x + ay * y)
-        if least > 0.0:
-            constant = 1.0 / (1.0 + (ax * mx + ay * my) / total)
+        mean = 1.0 + (ax * mx + ay * my) / total  # of the factors: above zero but for rounding
+        if least > 0.0 and mean > ROUNDING:
+            constant = 1.0 / mean
         else:
             ax, ay = 0.0, 0.0
     for i in range(n):
