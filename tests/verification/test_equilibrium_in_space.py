@@ -246,4 +246,4 @@ def test_what_rocks_on_corners_falls_to_a_side(slab):
     # Where the slab leaves the diagonal it is on its way already.
     end = pytest.approx(beside.ultimate_displacement, rel=0.05 if slab else 0.01)
     assert along.ultimate_displacement == end
-    assert np.count_nonzero(along.column("unstable")) < 20
+    assert np.mean(along.column("unstable")) < 0.15  # 75 of 85 points where it stayed on one
