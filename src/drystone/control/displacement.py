@@ -297,7 +297,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             if stop - multiplier <= s.refined_share * stop:
                 return None
             if self._is_jump(state, report):
-                finer = 0.25 * state.increment
+                finer = tolerances.LOOKED_AT_SHARE * state.increment
                 return finer if finer > s.floor_share * s.displacement_step else None
             aim = (1.0 - 0.5 * s.refined_share) * stop
             share = (state.last - aim) / (state.last - multiplier)
@@ -319,7 +319,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         if report.unstable and not state.unstable and not state.n_shorter:
-            return 0.25 * state.increment  # near by may be a stable one, of another branch
+            # Near by may be a stable equilibrium, and the unstable one be of another branch.
+            return tolerances.LOOKED_AT_SHARE * state.increment
         return self._straighter(state, report, scale)
 
     def _straighter(
@@ -342,7 +343,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return None
         if state.increment <= least:
             return None
-        return max(0.25 * state.increment, least)
+        return max(tolerances.LOOKED_AT_SHARE * state.increment, least)
 
     def _nearer(
         self, state: DisplacementState, report: StepReport, scale: float, least: float
