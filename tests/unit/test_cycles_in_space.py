@@ -80,6 +80,7 @@ class Bench:
             pattern=np.zeros((n, 6)),
             inverse_mass=inverse,
             extent=np.ones(n),
+            weight=np.ones(n),
         )
         self.meter = np.zeros(explicit.N_METER)
         self.touch([])

@@ -115,7 +115,7 @@ class TestMeasure:
         table[0, [STIFF_N, STIFF_T, FRICTION]] = self.KN, self.KS, self.MU
         one = np.ones(1)
         arrays = (np.array([a], float) for a in (slip, reaction, before))
-        return joint_law_violation(table, gap * one, *arrays, one, 0.0)
+        return joint_law_violation(table, gap * one, *arrays, one, 0.0 * one)
 
     @given(st.integers(0, 2**32 - 1))
     def test_the_law_itself_leaves_nothing_and_an_error_counts_in_full(self, seed):

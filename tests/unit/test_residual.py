@@ -39,7 +39,9 @@ def violation(gap, slip, reaction, before, shear_stiffness=1e6, bond=0.0, tensio
     one = np.ones(1)
     table = joints(1, shear_stiffness, bond, tension)
     before = reaction[:, 1:].copy() if before is None else before * one[:, None]
-    return joint_law_violation(table, gap * one, slip * one[:, None], reaction, before, one, 0.0)
+    return joint_law_violation(
+        table, gap * one, slip * one[:, None], reaction, before, one, 0.0 * one
+    )
 
 
 def joints(n, shear_stiffness=1.0, bond=0.0, tension=0.0):
@@ -108,14 +110,16 @@ class TestJointLaw:
         one = np.ones(3)
         reaction = np.array([[0.0, 0.0], [10.0, 0.0], [3.0, 0.0]])
         found = joint_law_violation(
-            joints(3), one, 0 * reaction[:, 1:], reaction, reaction[:, 1:], one, 0.0
+            joints(3), one, 0 * reaction[:, 1:], reaction, reaction[:, 1:], one, 0.0 * one
         )
         assert found == pytest.approx((10.0, 0.0, 0.0))
 
     def test_no_contacts(self):
         nothing = np.zeros(0)
         two = np.zeros((0, 2))
-        found = joint_law_violation(joints(0), nothing, two[:, 1:], two, two[:, 1:], nothing, 0.0)
+        found = joint_law_violation(
+            joints(0), nothing, two[:, 1:], two, two[:, 1:], nothing, nothing
+        )
         assert found == (0.0, 0.0, 0.0)
 
     def test_cohesion_belongs_to_the_cone(self):

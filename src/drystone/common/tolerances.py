@@ -695,7 +695,7 @@ ACROSS_THE_LOAD = 1e-2
 #: Motion of a block, over that of the fastest, from which on a message names it.  Convention.
 NAMED_MOTION = 0.1
 
-#: Release of a bond, over the heaviest weight, that is too small to count.
+#: Release of a bond, over the weight of the lighter of its blocks, that is too small to count.
 #: Not measured.
 SLIGHT = 1e-3
 
@@ -717,7 +717,7 @@ SAFETY = 0.9
 #: Share of the unbalanced force that Cundall's local damping takes.  Not measured.
 LOCAL_DAMPING = 0.5
 
-#: Unbalanced force at rest over the heaviest weight.  Convention: how well a point is known.
+#: Unbalanced force of a block at rest over its weight.  Convention: how well a point is known.
 DISTINCT_TOLERANCE = 1e-5
 
 #: Residual that a certificate may show, over the heaviest weight.  Derived: rest is looked for with
@@ -740,8 +740,8 @@ WATCHED_REACH = 3.0
 #: Displacement of a step over the smallest extent of a block.  Not measured.
 DISTINCT_STEP = 0.01
 
-#: How well a reaction is known at rest, over the unbalanced force: blocks in a row lean on each
-#: other with what is left of several.  Not measured.
+#: How well a reaction is known at rest, over the unbalanced force of the lighter block: blocks in
+#: a row lean on each other with what is left of several.  Not measured.
 NOISE = 5.0
 
 #: Margin of a bond at which a step ends for it: each try is a relaxation.  Not measured.

@@ -104,6 +104,7 @@ class Loads(NamedTuple):
     pattern: Array  # (n, n_dof) N, N m, at multiplier one
     inverse_mass: Array  # (n, n_dof) zero on fixed bodies
     extent: Array  # (n,) m, by which moments are divided and rotations multiplied
+    weight: Array  # (n,) N, by which unbalanced forces are divided
 
 
 @njit(cache=True)
@@ -194,8 +195,8 @@ class Drive(NamedTuple):
     combined: bool  # damping is combined, see `cycle`
     local_damping: float  # share of the unbalanced force
     viscous_damping: float  # 1/s by which velocities are damped, in proportion to mass
-    tolerance: float  # N, `BALANCED` when no unbalanced force, or moment over extent, exceeds it;
-    # negative: never
+    tolerance: float  # `BALANCED` when no block's unbalanced force, or moment over extent, exceeds
+    # this share of its weight; negative: never
     reach: float  # m, `MOVED` when a body has moved so far from where it was searched
     gyroscopic: bool  # in space bodies rotate by their own moments of inertia, not scaled ones
 
@@ -205,11 +206,12 @@ def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
     """Bring velocities on by the unbalanced forces, damped.
 
     Returns the damping's work [J], added to what it was, F.v, and the square of the largest
-    unbalanced force [N2] where there is a ``look`` at it.
+    unbalanced force, over the block's weight, where there is a ``look`` at it.
     """
     velocity, force, last = motion.velocity, motion.force, motion.last
     mean, opposed = motion.mean, motion.opposed
-    pattern, inverse_mass, extent = loads.pattern, loads.inverse_mass, loads.extent
+    pattern, inverse_mass = loads.pattern, loads.inverse_mass
+    extent, weight = loads.extent, loads.weight
     dt, viscous_damping = drive.dt, drive.viscous_damping
     local_damping, combined = drive.local_damping, drive.combined
     keep = (1.0 - 0.5 * viscous_damping * dt) / (1.0 + 0.5 * viscous_damping * dt)
@@ -229,7 +231,7 @@ def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
                     straight += force[i, d] * force[i, d]
                 else:
                     turning += (force[i, d] / extent[i]) ** 2
-            worst = max(worst, straight, turning)
+            worst = max(worst, max(straight, turning) / weight[i] ** 2)
         for d in range(n_dof):
             f = force[i, d]
             v = velocity[i, d]
@@ -302,7 +304,8 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
         Return `DONE` after so many.
     meter
         (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
-        to [J]; largest unbalanced force when last looked at [N]; cycles so far.
+        to [J]; largest unbalanced force over the block's weight when last looked at; cycles so
+        far.
     ties
         `model.tie_kernels.Ties`.  They yield and break in the cycles unless bonds are kept; else
         yielding counts from where the cycles began, so that vibrations have no lasting effect.

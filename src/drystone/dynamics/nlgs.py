@@ -258,7 +258,7 @@ class _Step:
         reaction = impulse / h
         normal, tangential, _ = joint_law_violation(
             problem.contacts.table, problem.gap + h * relative[:, 0], h * relative[:, 1:], reaction,
-            reaction[:, 1:], self.nothing, 0.0,
+            reaction[:, 1:], self.nothing, self.nothing,
         )  # fmt: skip
         return max(float(unbalanced), float(normal), float(tangential))
 

@@ -19,8 +19,8 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from drystone.common.arrays import Array, IntArray
-from drystone.common.tolerances import BOND_TIE, DUE_TOGETHER, LEAST_INCREMENT
-from drystone.common.tolerances import SLIGHT as SLIGHT
+from drystone.common.tolerances import BOND_TIE, DUE_TOGETHER, LEAST_INCREMENT, SLIGHT
+from drystone.contact.contacts import A, B
 from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
 from drystone.model.ties import Bars
@@ -39,7 +39,7 @@ class BondSteps(Generic[State]):
     solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
     broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
     laws: Array  # table of `law.table`
-    slight: float  # N, release of a bond that is too small to count
+    weight: Array  # (n,) N, of blocks: the measure of what a bond releases
     near: float  # margin, from above, that counts as being at the strength
     bars: Bars | None = None  # ties that may break, as bonds do, or yield
     most_trials: int = 20  # for the share at which a bond is
@@ -72,7 +72,7 @@ class BondSteps(Generic[State]):
                 if reached > 0.0:
                     break
                 continue
-            if self._released(new) > self.slight:
+            if self._released(new) > SLIGHT:
                 if reached == 0.0:
                     return self._break(new, new.due)
                 break
@@ -85,14 +85,19 @@ class BondSteps(Generic[State]):
         )
 
     def _released(self, state: State) -> float:
-        due, n_slots = state.due, len(state.reaction)
+        """The largest force that a bond or tie will release, over the weight of the lighter of the
+        two blocks that it joins."""
+        due, n_slots, pairs = state.due, len(state.reaction), state.pairs
         bonds, ties = due[due < n_slots], due[due >= n_slots] - n_slots
-        law = state.pairs.law_of_slot[bonds]
-        force = float(release(self.laws, law, state.reaction[bonds]).max(initial=0.0))
+        force = release(self.laws, pairs.law_of_slot[bonds], state.reaction[bonds])
+        joined = pairs.which[pairs.of_slot[bonds]][:, [A, B]]
+        share = float((force / self.weight[joined].min(axis=1)).max(initial=0.0))
         if self.bars is not None and len(ties):
-            breaks = self.bars.breaking(state.ties, ties)
-            force = max(force, float(np.abs(state.ties.force[ties[breaks]]).max(initial=0.0)))
-        return force
+            breaks = ties[self.bars.breaking(state.ties, ties)]
+            pulled = np.abs(state.ties.force[breaks])
+            lighter = self.weight[self.bars.body[breaks]].min(axis=1)
+            share = max(share, float((pulled / lighter).max(initial=0.0)))
+        return share
 
     def _yields(self, state: State) -> bool:
         """Whether the step has ended where ties begin to yield: a corner of the curve, at which

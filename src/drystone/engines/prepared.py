@@ -72,9 +72,14 @@ class Prepared(Derived):
         """Whether bonds break."""
         return brittle(self.laws) or bool(self.strengths.tears.any())
 
-    def bond_margins(self, judged: JudgedContacts, law: IntArray, slack: float) -> Array:
+    def bond_margins(self, judged: JudgedContacts, law: IntArray) -> Array:
         """Margins of contacts with joint laws ``law``, (n_contacts,); see `law.bonds.margins`."""
-        return margins(judged, slack, self.strengths.tears[law])
+        return margins(judged, self.strengths.tears[law])
+
+    @cached_property
+    def movable_weight(self) -> Array:
+        """Of each block [N], (n,): the measure of forces on it; without an end of supports."""
+        return np.where(self.assembly.fixed, np.inf, self.assembly.weight)
 
     @cached_property
     def gives_way(self) -> bool:

@@ -42,13 +42,12 @@ def shear(reaction: Array) -> Array:
     return np.abs(size)
 
 
-def margins(judged: JudgedContacts, slack: float, tears: BoolArray) -> Array:
+def margins(judged: JudgedContacts, tears: BoolArray) -> Array:
     """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
 
-    ``slack`` [N] is how well reactions are known: none breaks for less.  ``tears`` (n_contacts,)
-    are those whose bond slip softens, and opening breaks.
+    ``tears`` (n_contacts,) are those whose bond slip softens, and opening breaks.
     """
-    normal, tangential = judged.reaction[:, 0], shear(judged.reaction)
+    normal, tangential, slack = judged.reaction[:, 0], shear(judged.reaction), judged.slack
     bond, tension = judged.strength
     bonded = bond + tension > 0.0
     along = judged.contacts.table[:, FRICTION] * normal + bond + slack - tangential
@@ -58,7 +57,9 @@ def margins(judged: JudgedContacts, slack: float, tears: BoolArray) -> Array:
     margin = np.where(bonded, np.minimum(along, across), np.inf)
     table = judged.contacts.table[tears]
     cohesion = table[:, INTERCEPT] * judged.whole[tears]
-    pressure = slack - table[:, STIFF_N] * judged.gap[tears]  # goes on where the joint is open
+    pressure = (
+        slack[tears] - table[:, STIFF_N] * judged.gap[tears]
+    )  # goes on where the joint is open
     opens = np.full(len(cohesion), np.inf)
     np.divide(pressure, LEAST_STRENGTH * cohesion, where=cohesion > 0.0, out=opens)
     margin[tears] = opens

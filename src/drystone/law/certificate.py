@@ -29,10 +29,17 @@ class JudgedContacts(NamedTuple):
     reaction: Array  # (n_contacts, dim) N
     shear_before: Array  # (n_contacts, dim - 1) N
     whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0
+    slack: Array  # (n_contacts,) N, how well reactions are known: no bond breaks for less
 
     @classmethod
     def with_history(
-        cls, contacts: Contacts, gap: Array, history: Array, reaction: Array, shear_before: Array
+        cls,
+        contacts: Contacts,
+        gap: Array,
+        history: Array,
+        reaction: Array,
+        shear_before: Array,
+        slack: Array | None = None,
     ) -> JudgedContacts:
         """Of joints with a past (n_contacts, N_HISTORY), whose slips have entered the shear."""
         return cls(
@@ -42,6 +49,7 @@ class JudgedContacts(NamedTuple):
             reaction=reaction,
             shear_before=shear_before,
             whole=(history[:, BROKEN] == 0.0).astype(float),
+            slack=np.zeros(len(gap)) if slack is None else slack,
         )
 
     @classmethod
@@ -62,6 +70,7 @@ class JudgedContacts(NamedTuple):
             reaction=reaction,
             shear_before=reaction[:, 1:],
             whole=np.zeros(len(gap)),
+            slack=np.zeros(len(gap)),
         )
 
     @property
@@ -99,11 +108,7 @@ class Certificate(NamedTuple):
 
 
 def certify(
-    contacts: JudgedContacts,
-    forces: Forces,
-    extent: Array,
-    fixed: BoolArray,
-    slack: float = 0.0,
+    contacts: JudgedContacts, forces: Forces, extent: Array, fixed: BoolArray
 ) -> Certificate:
     """Judge a step.
 
@@ -115,12 +120,10 @@ def certify(
         (n,) m, by which moments are divided.
     fixed
         (n,) supports, whose balance does not count.
-    slack
-        How well reactions are known [N]: no bond counts as broken for less.
     """
     c = contacts
     normal, tangential, cone = joint_law_violation(
-        c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole, slack
+        c.contacts.table, c.gap, c.slip, c.reaction, c.shear_before, c.whole, c.slack
     )
     touched = np.zeros(len(fixed), np.bool_)
     mark_touched(c.contacts, c.reaction, touched)

@@ -45,7 +45,7 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
     whole
         (n_contacts,) 1 where a bond has not broken, else 0.
     slack
-        How well reactions are known [N]: no bond breaks for less.
+        (n_contacts,) how well reactions are known [N]: no bond breaks for less.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
         bond, tension = whole[c] * table[c, BOND], whole[c] * table[c, TENSILE]
         strength = bond + tension
         law_n = min(table[c, SHIFT] - table[c, STIFF_N] * gap[c], crushing(table, c))
-        beyond = law_n < -tension - BOND_TIE * strength - slack
+        beyond = law_n < -tension - BOND_TIE * strength - slack[c]
         if beyond or (law_n < 0.0 and strength == 0.0):
             law_n = 0.0
         law_n -= table[c, PULL]

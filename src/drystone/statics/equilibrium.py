@@ -36,7 +36,7 @@ from drystone.engines.base import (
     StepReport,
     UnstableError,
 )
-from drystone.engines.bonds import SLIGHT, BondSteps
+from drystone.engines.bonds import BondSteps
 from drystone.engines.departure import departing
 from drystone.engines.measures import (
     StepOutcome,
@@ -311,7 +311,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             solve=solve,
             broken=self._broken,
             laws=prepared.laws,
-            slight=SLIGHT * prepared.assembly.heaviest_weight,
+            weight=prepared.movable_weight,
             near=tolerances.ENDS_FOR_BOND,
             bars=prepared.bars if prepared.bars.n_ties else None,
         )
@@ -597,7 +597,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if prepared.gives_way:
             used = judged.contacts.slot
             law = state.pairs.law_of_slot[used]
-            margin[used] = prepared.bond_margins(judged, law, 0.0)
+            margin[used] = prepared.bond_margins(judged, law)
             if demand.increment is not None and not demand.time_step > 0.0:
                 until = prepared.dilates_until[law]
                 dilated = own.history_before[used, SLID] < until

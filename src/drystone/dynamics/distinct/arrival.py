@@ -107,13 +107,12 @@ def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts,
     if prepared.strengths.any:
         prepared.strengths.fill(pairs.law_of_slot[k], history, gap, slots.size[k], contacts.table)
         contacts.table[:, SHIFT : CRUSH + 1] *= prepared.assembly.thickness
-    judged = JudgedContacts.with_history(contacts, gap, history, reaction, reaction[:, 1:])
+    lighter = np.minimum(prepared.movable_weight[a], prepared.movable_weight[b])
+    judged = JudgedContacts.with_history(
+        contacts, gap, history, reaction, reaction[:, 1:],
+        slack=NOISE * work.settings.tolerance * lighter,  # at rest
+    )  # fmt: skip
     return judged, force
-
-
-def _slack(work: Workspace) -> float:
-    """How well reactions are known at rest [N]."""
-    return NOISE * work.settings.tolerance * work.prepared.assembly.heaviest_weight
 
 
 def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Array:
@@ -122,7 +121,7 @@ def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Ar
     if work.prepared.brittle:
         used = contacts.contacts.slot
         law = work.pairs.law_of_slot[used]
-        margin[used] = work.prepared.bond_margins(contacts, law, _slack(work))
+        margin[used] = work.prepared.bond_margins(contacts, law)
     return np.concatenate((margin, TIES_NEARER * ties_margin))
 
 
@@ -164,7 +163,7 @@ def _arrive(
         load_work=state.load_work + float(meter[explicit.LOAD_WORK]),
         search_work=state.search_work + work.search_work,
     )
-    certificate = certify(contacts, forces, prepared.extent, acting.fixed, _slack(work))
+    certificate = certify(contacts, forces, prepared.extent, acting.fixed)
     outcome = StepOutcome(
         multiplier=work.multiplier,
         pose=pose,

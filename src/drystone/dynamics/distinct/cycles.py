@@ -117,7 +117,6 @@ def relax(work: Workspace, *, guided: bool) -> bool:
 
 def _relaxed(work: Workspace, *, guided: bool) -> bool:
     s = work.settings
-    tolerance = s.tolerance * work.prepared.assembly.heaviest_weight
-    if run(work, s.rest_cycles, guided=guided, tolerance=tolerance):
+    if run(work, s.rest_cycles, guided=guided, tolerance=s.tolerance):
         return True
-    return run(work, s.jump_cycles, guided=guided, combined=True, tolerance=tolerance)
+    return run(work, s.jump_cycles, guided=guided, combined=True, tolerance=s.tolerance)

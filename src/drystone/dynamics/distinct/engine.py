@@ -24,7 +24,6 @@ from drystone.common.tolerances import (
     DISTINCT_RESIDUAL,
     DISTINCT_STEP,
     FEWEST_CYCLES,
-    SLIGHT,
 )
 from drystone.contact.forces import ContactForces
 from drystone.dynamics import explicit
@@ -168,7 +167,7 @@ class DistinctEngine(Engine[DistinctState]):
             solve=solve,
             broken=broken,
             laws=prepared.laws,
-            slight=SLIGHT * prepared.assembly.heaviest_weight,
+            weight=prepared.movable_weight,
             near=AT_STRENGTH,
             bars=prepared.bars if prepared.bars.n_ties else None,
         ).advance(state)
@@ -222,9 +221,11 @@ class DistinctEngine(Engine[DistinctState]):
                 return at_rest(state, work)
         except RunAwayError as error:
             return state, failed(str(error), work, runs_away=True)
-        left = work.meter[explicit.RESIDUAL] / state.prepared.assembly.heaviest_weight
+        left = work.meter[explicit.RESIDUAL]
         return state, failed(
-            f"an unbalanced force of {left:.1e} weights is left after {work.n_cycles} cycles", work
+            f"an unbalanced force of {left:.1e} of a block's weight is left after "
+            f"{work.n_cycles} cycles",
+            work,
         )
 
     def _move(self, state: DistinctState, demand: Demand) -> Step:

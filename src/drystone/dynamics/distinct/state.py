@@ -39,7 +39,7 @@ class DistinctSettings:
     large scaling, all masses in proportion to stiffness, where a displacement is given."""
     search_tolerance: float = SEARCH_TOLERANCE
     """Motion between two searches over the smallest block size; 0 searches at every cycle."""
-    tolerance: float = DISTINCT_TOLERANCE  # unbalanced force at rest over the heaviest weight, -
+    tolerance: float = DISTINCT_TOLERANCE  # unbalanced force of a block at rest over its weight, -
     drive_cycles: int = 2400
     """Cycles in which an increment is driven; with fewer, joints stick that would slide."""
     stage_cycles: int = 600  # of each stage in which the driving ends

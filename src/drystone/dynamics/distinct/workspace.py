@@ -171,4 +171,5 @@ class Workspace:
             pattern=acting.pattern,
             inverse_mass=inverse,
             extent=self.prepared.extent,
+            weight=self.prepared.assembly.weight,
         )
