@@ -57,9 +57,8 @@ def margins(judged: JudgedContacts, tears: BoolArray) -> Array:
     margin = np.where(bonded, np.minimum(along, across), np.inf)
     table = judged.contacts.table[tears]
     cohesion = table[:, INTERCEPT] * judged.whole[tears]
-    pressure = (
-        slack[tears] - table[:, STIFF_N] * judged.gap[tears]
-    )  # goes on where the joint is open
+    # The pressure goes on where the joint is open.
+    pressure = slack[tears] - table[:, STIFF_N] * judged.gap[tears]
     opens = np.full(len(cohesion), np.inf)
     np.divide(pressure, LEAST_STRENGTH * cohesion, where=cohesion > 0.0, out=opens)
     margin[tears] = opens
