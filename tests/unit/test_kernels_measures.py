@@ -33,6 +33,7 @@ def test_sums_of_blocks(rng):
         (pattern * x)[held].sum(),
         np.abs(pattern * x)[held].sum(),
         (mass * a * x)[held].sum(),
+        np.abs(pattern * x)[~held].sum(),
     )
     found = sum_blocks(x, a, v, contact, held, dead, pattern, mass, fixed, direction, multiplier)
     assert found == pytest.approx(expected, rel=ROUNDING)

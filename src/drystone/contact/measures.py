@@ -55,12 +55,14 @@ def sum_blocks(
     push, strokes, resistance
         Of the blocks that contacts touch: work of the pattern at multiplier one, the same without
         regard to signs, work of the inertia forces [J].
+    loose
+        The second of these of the blocks that no contact touches [J].
     """
     n, n_dof = increment.shape
     dim = direction.shape[0]
     carried, inertia, fastest = 0.0, 0.0, 0.0
     kinetic, work = 0.0, 0.0
-    push, strokes, resistance = 0.0, 0.0, 0.0
+    push, strokes, resistance, loose = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         force, square = 0.0, 0.0
         for d in range(dim):
@@ -74,14 +76,16 @@ def sum_blocks(
         for d in range(n_dof):
             kinetic += 0.5 * mass[i, d] * velocity[i, d] ** 2
             work += (dead[i, d] + multiplier * pattern[i, d]) * increment[i, d]
-        if not touched[i]:
-            continue
         for d in range(n_dof):
             stroke = pattern[i, d] * increment[i, d]
+            if not touched[i]:
+                loose += abs(stroke)
+                continue
             push += stroke
             strokes += abs(stroke)
             resistance += mass[i, d] * acceleration[i, d] * increment[i, d]
-    return carried, inertia, np.sqrt(fastest), kinetic, abs(work), push, strokes, resistance
+    work = abs(work)
+    return carried, inertia, np.sqrt(fastest), kinetic, work, push, strokes, resistance, loose
 
 
 @njit(cache=True, error_model="numpy")

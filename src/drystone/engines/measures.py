@@ -122,7 +122,7 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     mass = np.where(assembly.restrained, 0.0, loads.mass) if assembly.on_rollers else loads.mass
-    carried, inertia, fastest, kinetic, work, push, strokes, resistance = kernels.sum_blocks(
+    carried, inertia, fastest, kinetic, work, push, strokes, resistance, loose = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
         outcome.certificate.touched, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
@@ -172,7 +172,8 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_sliding=n_sliding,
         motion=outcome.motion,
         n_iterations=outcome.n_iterations,
-        dynamic=fastest > ACCELERATION_LIMIT * GRAVITY,
+        # A load on nothing but blocks in flight is borne by nothing.
+        dynamic=fastest > ACCELERATION_LIMIT * GRAVITY or strokes == 0.0 < loose,
     )
 
 

@@ -8,7 +8,7 @@ from drystone.common.arrays import Array
 from drystone.common.tolerances import WATCHED
 from drystone.contact.contacts import EDGE_A, EDGE_B, NONE, Pairs, Slots
 from drystone.contact.histories import Histories, handed_on
-from drystone.dynamics.distinct.state import DistinctPrepared
+from drystone.dynamics.distinct.state import DistinctPrepared, RunAwayError
 from drystone.dynamics.distinct.workspace import Workspace
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
@@ -39,7 +39,10 @@ def search(work: Workspace) -> None:
 
 
 def drop_departed(work: Workspace) -> None:
-    """Take out blocks that have left; no force on the others changes."""
+    """Take out blocks that have left; no force on the others changes.
+
+    Raises `RunAwayError` if the load acts on nothing that is left.
+    """
     prepared, pose = work.prepared, work.motion.pose
     work.unpack()
     left = departing(
@@ -49,9 +52,12 @@ def drop_departed(work: Workspace) -> None:
     lost = work.lost | left
     if not left.any() or (lost | prepared.assembly.fixed).all():
         return  # the run ends elsewhere if no block is left
+    acting = LoadArrays.of(prepared.problem, lost, work.state.stage)
+    if work.acting.pattern.any() and not acting.pattern.any():
+        raise RunAwayError(prepared.assembly.ids[int(np.argmax(left))], work.travel())
     work.lost = lost
     work.ties.lose(lost)
-    work.acting = LoadArrays.of(prepared.problem, lost, work.state.stage)
+    work.acting = acting
     motion = work.motion
     for array in (motion.velocity, motion.force, motion.mean, motion.opposed):
         array[left] = 0.0
