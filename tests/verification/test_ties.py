@@ -441,3 +441,20 @@ def test_two_blocks_pushed_apart_against_a_tie(engine):
     assert curve.status == "finished"
     assert 0.30 < curve.capacity.load_multiplier < 0.339
     assert curve.peak.load_multiplier < 0.38  # of what is left, 1/4 and h T/W of the tie: 0.37
+
+
+@pytest.mark.parametrize("engine", ["equilibrium", "nscd"])
+def test_two_blocks_drawn_together_until_the_tie_is_slack(engine):
+    """Twice the pull that tips them: both lean inwards, by 1 mm at 0.8 m.  Pushed, the one leans
+    farther and the other sits down again, under a multiplier of -1e-3.  Then they carry B/H less
+    what the first leans by: 2.5e-3, and 0.04 mm by which its toe closes, over 0.1 m."""
+    drawn = tie(
+        start=ds.TieEnd(block="b", point=np.array(WALL)),
+        end=ds.TieEnd(block="c", point=np.array([2.4, 0.8])),
+        stiffness=1e6,
+        yield_force=1e6,
+        pretension=2.0 * WEIGHT * 0.5 * WIDTH / 0.8,
+    )
+    curve = ds.pushover(model_of([drawn], box("c", 2.0), control_block="c"), engine=engine)
+    assert curve.status == "finished", curve.reason
+    assert WIDTH / HEIGHT - 3.5e-3 < curve.capacity.load_multiplier < WIDTH / HEIGHT

@@ -27,7 +27,7 @@ __all__ = [
 
 #: Steps in which whatever carries anything carries more than `NEXT_TO_NOTHING` of the stop value.
 EARLY = 100
-#: The same where the multiplier does not rise at all.
+#: The same where the multiplier falls at once, by more than the stop value.
 AT_ONCE = 3
 
 #: Beginning of why a curve ends in motion.
@@ -89,7 +89,8 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     down = onwards and p.multiplier < share * p.highest <= share * s.stop_multiplier
     if down and not nothing:
         return End(reason=say("end.low_peak", peak=p.highest, stop=s.stop_multiplier))
-    if nothing and p.n_steps >= (AT_ONCE if down else EARLY):
+    falls = down and p.multiplier < -s.stop_multiplier
+    if nothing and p.n_steps >= (AT_ONCE if falls else EARLY):
         return nothing_carried(s, p.n_steps)
     for stop, value in s.stops:
         if not stop.first and (end := stop.end(value, p)):
