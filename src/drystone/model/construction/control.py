@@ -68,7 +68,8 @@ def choose_control_point(
     vertices = assembly.blocks[row].vertices
     height = vertices @ assembly.up
     if point is None:
-        place = vertices[_highest_furthest(height, vertices @ load_direction, vertices)[0]]
+        equal = _highest_furthest(height, vertices @ load_direction, vertices)
+        place = vertices[min(equal, key=lambda i: tuple(vertices[i]))]  # not the first in a file
     elif isinstance(point, str):
         place = _named_point(point, vertices, height, assembly.centroid[row])
     else:

@@ -9,9 +9,12 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+
 from drystone.model.assembly import Assembly, Block
 from drystone.model.construction.control import choose_control_point
 from drystone.model.construction.errors import ModelError
+from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
 
@@ -31,6 +34,8 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
         "joint": _joint(assembly),
     }
+    if fitted(assembly.blocks, DRAWING_TOLERANCE)[1]:
+        data["drawing_tolerance"] = 0.0  # what was left open stays open
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
@@ -65,7 +70,16 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         data["site"] = model.site.as_dict()
     if model.assessment is not None:
         data["assessment"] = model.assessment.as_dict()
-    return data
+    return {key: _plain(value) for key, value in data.items()}
+
+
+def _plain(value: Any) -> Any:
+    """The same with numbers and arrays of Python in place of those of numpy."""
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def _asked(analysis: Analysis) -> dict[str, Any]:
@@ -110,6 +124,7 @@ def digest(model: Model) -> str:
     What a curve does not depend on is not part of it: site and assessment.
     """
     data = model_to_dict(replace(model, site=None, assessment=None))
+    data.pop("drawing_tolerance", None)  # the outlines are what came of it
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -98,8 +98,12 @@ class SurchargeLoad(Target, _Dead):
 class _OnFaces(Target, _Dead):
     """Of the free faces that look to a side."""
 
-    side: Array  # (dim,) unit vector
+    side: Array  # (dim,) unit vector, of any length when given
     within: float = WITHIN  # degrees, largest angle between a face's normal and the side
+
+    def __post_init__(self) -> None:
+        side = np.asarray(self.side, float)
+        object.__setattr__(self, "side", side / (np.linalg.norm(side) or 1.0))
 
     def traction(self, assembly: Assembly) -> Traction:
         """What acts on an area."""
