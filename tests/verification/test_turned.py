@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from builders import stack
 from drystone.analysis.driver import pushover
 from drystone.model.assembly import Corner
 from solids import from_boxes, leaf, one_block, turned
@@ -58,3 +59,12 @@ def test_a_facade_in_another_place_has_the_same_curve():
     assert len(first) == len(second)
     assert not any(point.jumped for curve in curves for point in curve.points)
     assert np.abs(first - second).max() <= 1e-9 * first.max()
+
+
+def test_the_extent_of_a_block_turns_with_it():
+    """In the plane it was a side of the box along the axes; see `geometry.figure`."""
+    upright = stack((0.4, 0.1), (0.3, 0.05)).assembly
+    for tilt in (0.1, 0.5, 1.2):
+        assembly = stack((0.4, 0.1), (0.3, 0.05), tilt=tilt).assembly
+        np.testing.assert_allclose(assembly.extents, upright.extents, rtol=1e-12)
+    np.testing.assert_allclose(upright.extents[1:], [0.1, 0.05], rtol=1e-12)

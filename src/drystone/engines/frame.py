@@ -50,11 +50,8 @@ class Frame:
         movable = [block for block in assembly.blocks if not block.support]
         if not scaled or not movable:
             return cls(origin=origin, place_noise=noise, length=1.0, depth=1.0, unit_weight=1.0)
-        figures = [
-            f for f, b in zip(assembly.figures, assembly.blocks, strict=True) if not b.support
-        ]
-        sides = assembly.kind.sides([block.vertices for block in movable], figures)
-        length = float(typed(sides, noise).min()) / FRAME_SIZE
+        extents = assembly.extents[~assembly.fixed]
+        length = float(typed(extents, noise).min()) / FRAME_SIZE
         return cls(
             origin=origin,
             place_noise=noise,

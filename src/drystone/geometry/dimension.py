@@ -60,14 +60,6 @@ class Dimension:
         """Shapes that pictures have: in the plane the blocks' ``outlines``, in space all parts."""
         return packed
 
-    def extents(self, vertices: Sequence[Array], figures: Sequence[Figure]) -> Array:
-        """How small blocks are, (n,) [m], see `Assembly.extents`."""
-        raise NotImplementedError
-
-    def sides(self, vertices: Sequence[Array], figures: Sequence[Figure]) -> Array:
-        """Lengths of which the least is the smallest block's size [m]."""
-        return self.extents(vertices, figures)
-
 
 class _Plane(Dimension):
     def thickness(self, given: float) -> float | None:
@@ -82,14 +74,6 @@ class _Plane(Dimension):
     def drawn(self, outlines: Sequence[Sequence[Array]], packed: Outlines | Polyhedra) -> Outlines:
         return Outlines.pack(outlines)
 
-    def extents(self, vertices: Sequence[Array], figures: Sequence[Figure]) -> Array:
-        return self.sides(vertices, figures).min(axis=1)
-
-    def sides(self, vertices: Sequence[Array], figures: Sequence[Figure]) -> Array:
-        first = np.cumsum([0, *(len(own) for own in vertices[:-1])])
-        all_of = np.vstack(vertices)
-        return np.asarray(np.maximum.reduceat(all_of, first) - np.minimum.reduceat(all_of, first))
-
 
 class _Space(Dimension):
     def run_round(self, n: int) -> tuple[str, str]:
@@ -98,9 +82,6 @@ class _Space(Dimension):
     def packed(self, figures: Sequence[Figure]) -> Polyhedra:
         parts = [[(p.vertices, p.faces) for p in figure.parts] for figure in figures]
         return Polyhedra.pack(parts)
-
-    def extents(self, vertices: Sequence[Array], figures: Sequence[Figure]) -> Array:
-        return np.array([figure.least_depth for figure in figures])
 
 
 PLANE = _Plane(

@@ -54,11 +54,11 @@ class Figure:
 
     @cached_property
     def least_depth(self) -> float:
-        """Least distance of a face of a solid from what lies farthest behind it [m]."""
+        """Least distance of an edge, in space a face, from what lies farthest behind it [m]."""
         vertices = np.vstack([part.vertices for part in self.parts])
         depths = []
         for part, seam in zip(self.parts, self.seams, strict=True):
-            normals, _ = solid.face_planes(part.vertices, part.faces)
+            normals, _ = _planes(part)
             depths.append(np.ptp(vertices @ normals[~seam].T, axis=0).min(initial=np.inf))
         return float(min(depths))
 

@@ -344,9 +344,9 @@ class Assembly:
 
     @cached_property
     def extents(self) -> Array:
-        """Smallest side of each block's bounding box [m], (n,); in space, however it is turned, the
-        least distance of a face from what lies farthest behind it."""
-        return self.kind.extents([block.vertices for block in self.blocks], self.figures)
+        """Least thickness of each block [m], (n,), however it is turned: from an edge, in space a
+        face, to what lies farthest behind it."""
+        return np.array([figure.least_depth for figure in self.figures])
 
     @cached_property
     def smallest_extent(self) -> float:
