@@ -203,6 +203,18 @@ def test_a_step_at_rest_in_which_a_block_goes_far_is_a_jump():
     assert fallen.kind is EventKind.BLOCK_FALLEN and fallen.step == curve.points[-2].step
 
 
+def test_a_curve_that_ends_amid_a_fall_tells_no_rest():
+    """The control point has turned back under a negative multiplier: a state that is at rest as
+    long as it is held there."""
+    model = beside()
+    curve = traced(model, max_displacement=1e-6, keep_contacts=True)
+    poses = curve.poses.copy()
+    poses[-1, model.assembly.index("small"), 1] -= 0.4
+    back = replace(curve.points[-1], load_multiplier=-0.02, control_displacement=-1e-6)
+    *_, fallen = events_of(model, (*curve.points[:-1], back), poses, curve.contacts)
+    assert fallen.blocks == ("small",) and fallen.outcome is Outcome.IN_MOTION
+
+
 def test_blocks_of_all_events_of_one_jump_fall_together():
     """Some of them fall and some come to rest elsewhere: a control point on either takes part."""
     place = {"step": 3, "control_displacement": 0.1, "load_multiplier": 0.2, "motion": 1.0}

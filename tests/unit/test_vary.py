@@ -193,6 +193,17 @@ class TestDigest:
         assert again(model).sha256 == model.sha256 and again(model).source == str(WALL)
 
 
+def test_dead_loads_of_a_model_whose_supports_move():
+    """They stay the supports that move; a direction of load takes their place."""
+    moves = ds.Settlement(blocks=("base",), direction=(0.0, -1.0), max=0.1)
+    model = stack((0.4, 0.9)).with_settlement(moves)
+    dead = ds.SurchargeLoad(block="b1", weight=1e3, mass=False)
+    loaded = model.with_load(dead_loads=[dead])
+    assert loaded.settlement is not None and loaded.settlement.max == 0.1
+    assert loaded.dead_loads == (dead,)
+    assert model.with_load((-1.0, 0.0)).settlement is None
+
+
 def test_names_say_what_they_are():
     model = read_model(WALL).with_joint(friction_coefficient=0.5)
     assert "33 blocks" in repr(model) and "friction 0.5" in repr(model)

@@ -200,8 +200,9 @@ class Model:
 
         Instead of a pattern you may give a direction: ``model.with_load((-1, 0))``.
 
-        Control block, point and direction follow the load if they are the default ones. Those that
-        were chosen stay.
+        Control block, point and direction follow the load where they are those that it has by
+        default, named or not. Others stay. Supports that move do so under other dead loads, too;
+        a pattern or a direction takes their place.
         """
         from drystone.model.construction.vary import control_beside_default, remade
 
@@ -215,7 +216,8 @@ class Model:
             "load": kept if pattern is None else pattern,
             "load_direction": direction,
         }
-        load["settlement"] = None
+        if self.settlement is None or pattern is not None or direction is not None:
+            load["settlement"] = None
         if dead_loads is not None:
             load["dead_loads"] = tuple(dead_loads)
         return remade(self, **load, **control_beside_default(self))

@@ -51,7 +51,7 @@ class EventLog:
         self._last: tuple[CurvePoint, Array] | None = None  # where it last rested, and the pose
         self._monotone = model.history is None  # the control displacement that is asked for
         self._turned: tuple[CurvePoint, Array] | None = None  # rest at the farthest since a jump
-        self._rests = False  # whether the last point is at rest
+        self._rests = False  # whether the last point is at rest, and not on the way down
         self._resting: CurvePoint | None = None  # the last one that is
         self._pose: Array | None = None  # of the last point
         self._moving = False  # whether the structure has moved by itself since
@@ -98,8 +98,8 @@ class EventLog:
         """
         if ties is not None:
             self._see_ties(point, ties, self._resting or point)
-        self._rests = at_rest = point.status == STATIC
-        rests = at_rest and not (self._monotone and falls(point, self._farthest))
+        at_rest = point.status == STATIC
+        self._rests = rests = at_rest and not (self._monotone and falls(point, self._farthest))
         if at_rest and not rests:
             self._last = self._turned
         collapsed: list[int] = []
