@@ -22,9 +22,9 @@ from drystone.model.construction.errors import ModelError
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis
 from drystone.model.site import AssessmentInput, Site
-from drystone.model.ties import Tie, TieEnd
+from drystone.model.ties import BROKEN, ELASTIC, YIELDING, Bars, Tie, TieEnd
 from drystone.results.curve import DYNAMIC, STATIC
-from drystone.results.event_log import events_of
+from drystone.results.event_log import EventLog, events_of
 from drystone.results.events import Event, EventKind, Outcome, falls_with, first_collapse
 from solids import box
 
@@ -382,3 +382,21 @@ def test_a_tie_breaks_after_the_last_state_at_rest(engine):
     assert broken.control_displacement == pytest.approx(0.012, rel=0.02)
     assert broken.load_multiplier == pytest.approx(0.125 + 10e3 * 4.0 / (20e3 * 2.0), rel=3e-3)
     assert curve.points[broken.step].status == "static"
+    (yielded,) = (event for event in curve.events if event.kind == EventKind.TIE_YIELDED)
+    assert yielded.step <= broken.step
+
+
+def test_a_tie_that_yields_and_breaks_in_motion_does_so_in_this_order():
+    """Its steps are those of the rest before; of two at one step the yield is the first."""
+    log = EventLog(model := beside(ties=(rope("base", 0.5, -0.05),)))
+    curve = traced(model, max_displacement=1e-6, keep_contacts=True)
+    rest, pose = curve.points[-1], curve.poses[-1]
+    for point, branch in (
+        (rest, ELASTIC),
+        (replace(rest, step=rest.step + 1, status=DYNAMIC), YIELDING),
+        (replace(rest, step=rest.step + 2, status=DYNAMIC), BROKEN),
+    ):
+        state = replace(Bars.of(model.assembly, model.ties).first(), branch=np.array([branch]))
+        log.add(point, pose, lambda: curve.contacts[-1], ties=state)
+    kinds = [(event.kind, event.step) for event in log.events if event.ties]
+    assert kinds == [(EventKind.TIE_YIELDED, rest.step), (EventKind.TIE_BROKEN, rest.step)]

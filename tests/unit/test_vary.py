@@ -193,6 +193,26 @@ class TestDigest:
         assert again(model).sha256 == model.sha256 and again(model).source == str(WALL)
 
 
+def test_a_joint_of_two_blocks_keeps_what_it_has_from_their_materials():
+    """Its friction is changed, and its stiffness stays that of the exception."""
+    soft = replace(PUBLISHED_JOINT, normal_stiffness=1e7, friction_coefficient=0.4)
+    blocks = [
+        Block(id="base", vertices=rectangle(0, -1, 1, 1), unit_weight=1e4, support=True),
+        Block(id="a", vertices=rectangle(0, 0, 1, 1), unit_weight=1e4, material="brick"),
+    ]
+    blocks[0] = replace(blocks[0], material="stone")
+    model = make_model(
+        blocks,
+        joint=PUBLISHED_JOINT,
+        joint_between={frozenset(("stone", "brick")): soft},
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+    )
+    changed = model.with_joint(between=("base", "a"), friction_coefficient=0.5).assembly
+    (row,) = changed.law_index(np.array([0]), np.array([1]))
+    assert changed.laws[row] == replace(soft, friction_coefficient=0.5)
+
+
 def test_dead_loads_of_a_model_whose_supports_move():
     """They stay the supports that move; a direction of load takes their place."""
     moves = ds.Settlement(blocks=("base",), direction=(0.0, -1.0), max=0.1)

@@ -144,7 +144,7 @@ def _planes(part: Part) -> tuple[Array, Array]:
         return solid.face_planes(part.vertices, part.faces)
     edges = np.roll(part.vertices, -1, axis=0) - part.vertices
     normal = np.column_stack((edges[:, 1], -edges[:, 0]))
-    normal /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    normal = normal / np.hypot(edges[:, 0], edges[:, 1])[:, None]
     return normal, np.sum(normal * part.vertices, axis=1)
 
 

@@ -60,7 +60,7 @@ def animate(
     ModelError
         The ending is another one, what writes it is not installed, or the curve has no poses.
     """
-    path = Path(path)
+    path, model = Path(path), curve.traced_of(model)
     if path.suffix.lower() not in ENDINGS:
         raise ModelError([f"{path}: must end in {' or '.join(ENDINGS)}"])
     if curve.poses is None or not curve.points:

@@ -217,14 +217,15 @@ class EventLog:
         return tied
 
     def _see_ties(self, point: CurvePoint, ties: TieState, before_it: CurvePoint) -> None:
-        """Ties that yield at a point, and those that break after the rest ``before_it``."""
+        """Ties that yield at a point, and those that break after the rest ``before_it``; so do
+        those that yield in motion, or they would yield after they have broken."""
         now, before = ties.branch, self._branch
         self._branch = np.array(now)
         yields = (now == YIELDING) & ~self._yielded
         self._yielded |= yields
         breaks = now == BROKEN if before is None else (now == BROKEN) & (before != BROKEN)
         for kind, rows, place in (
-            (EventKind.TIE_YIELDED, yields, point),
+            (EventKind.TIE_YIELDED, yields, point if point.status == STATIC else before_it),
             (EventKind.TIE_BROKEN, breaks, before_it),
         ):
             if rows.any():

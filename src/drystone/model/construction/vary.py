@@ -66,8 +66,8 @@ def joints_with(
     changed: dict[str, Any] = dict(values)
     laws = dict(assembly.joint_between)
     if between is not None:
-        pair = frozenset(between)
-        return {"joint_between": {**laws, pair: replace(laws.get(pair, assembly.joint), **changed)}}
+        law = _law_between(assembly, *between)
+        return {"joint_between": {**laws, frozenset(between): replace(law, **changed)}}
     return {
         "joint": replace(assembly.joint, **changed),
         "joint_between": {
@@ -75,6 +75,15 @@ def joints_with(
             for pair, law in laws.items()
         },
     }
+
+
+def _law_between(assembly: Assembly, first: str, second: str) -> JointLaw:
+    """The law in force between two blocks, which may be one of their groups or materials; else the
+    exception for two groups or materials, or the law of all joints."""
+    if {first, second} <= set(assembly.ids):
+        a, b = (np.array([assembly.index(name)]) for name in (first, second))
+        return assembly.laws[int(assembly.law_index(a, b)[0])]
+    return assembly.joint_between.get(frozenset((first, second)), assembly.joint)
 
 
 def control_beside_default(model: Model) -> dict[str, Any]:
