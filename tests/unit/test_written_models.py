@@ -9,6 +9,7 @@ import pytest
 
 import drystone as ds
 from builders import rectangle, stack
+from drystone.model.builders import panel, placed, plan
 from drystone.model.construction.describe import digest
 
 BASE = ds.Block(id="base", vertices=rectangle(-2, -1, 4, 1), unit_weight=1e4, support=True)
@@ -94,3 +95,33 @@ def test_the_default_control_point_is_no_matter_of_the_order_of_vertices():
         model = ds.make_model(blocks, joint=joint, load_direction=(1.0, 0.0, 0.0))
         points.append(model.control_point.point)
     np.testing.assert_array_equal(*points)
+
+
+class TestBuildersTakeNumbersOfNumpy:
+    """And say in a sentence what they do not take."""
+
+    def test_a_stack(self):
+        sizes = np.array([1.0, 0.5])
+        blocks = ds.stack(widths=sizes, heights=sizes, depths=sizes, unit_weight=1e4)
+        assert [block.id for block in blocks] == ["base", "b1", "b2"]
+
+    def test_a_turn(self):
+        made = ds.stack(widths=[1.0], heights=[0.5], unit_weight=1e4, base=False)
+        by_numpy, by_hand = (placed(made, rotation=angle) for angle in (np.int64(90), 90.0))
+        np.testing.assert_array_equal(by_numpy[0].vertices, by_hand[0].vertices)
+        with pytest.raises(ds.ModelError, match="rotation: must be one number in degrees"):
+            placed(made, rotation="a")
+
+    def test_a_history(self):
+        assert stack((0.4, 0.6)).with_history([np.float32(0.01), 0.0]).history is not None
+
+    def test_a_unit_that_is_none(self):
+        with pytest.raises(ds.ModelError, match=r"unit: must be \[length, height\]"):
+            panel(length=2.0, height=1.0, unit=0.5, unit_weight=1e4)
+
+    def test_a_line_of_points_that_are_none(self):
+        with pytest.raises(ds.ModelError, match="a list of at least two points"):
+            plan(
+                lines=[[[0, 0], [1, 0, 2]]], thickness=0.3, height=1.0, unit=[0.5, 0.25],
+                unit_weight=1e4,
+            )  # fmt: skip

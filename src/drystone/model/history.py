@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def problems_of(
     if wrong := too_many("displacements of a history", len(targets)):
         return [f"{place}: {wrong}"]
     for k, target in enumerate(targets, 1):
-        number = isinstance(target, int | float) and not isinstance(target, bool)
+        number = isinstance(target, Real) and not isinstance(target, bool)
         if not number or not math.isfinite(target):  # type: ignore[arg-type]
             what = found(target)
             return [f"{place}[{k}]: must be a finite number, a displacement in m, it is {what}"]

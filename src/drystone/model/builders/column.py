@@ -56,7 +56,7 @@ def stack(
     names = "widths, heights and offsets" if depths is None else "widths, depths, heights, offsets"
     if len(set(map(len, lists))) > 1 or not len(widths):
         raise ModelError([f"{names}: give one of each for every block"])
-    if not min(*widths, *heights, *(depths or [1.0])) > 0.0:
+    if not min(*widths, *heights, *([1.0] if depths is None else depths)) > 0.0:
         raise ModelError(["widths and heights: must be greater than 0 m"])
     mason = Mason(unit_weight=unit_weight, material=material)
     level = np.concatenate(([0.0], np.cumsum(heights))).tolist()

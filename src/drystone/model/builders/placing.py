@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from numbers import Real
 
 import numpy as np
 
@@ -82,7 +83,8 @@ def turn_of(rotation: float | Sequence[float], dimension: int) -> Array:
 
     Quarter turns are exact.
     """
-    angles = [float(rotation)] if isinstance(rotation, int | float) else [*map(float, rotation)]
+    given = np.ravel(np.array(rotation, object))
+    angles = [float(angle) if isinstance(angle, Real) else math.nan for angle in given]
     if len(angles) not in ((1,) if dimension == 2 else (1, 3)) or not all(
         map(math.isfinite, angles)
     ):

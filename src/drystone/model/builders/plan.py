@@ -240,8 +240,9 @@ def _walls(
         ]
     count = 0
     for k, line in enumerate(lines, start=1):
-        points = np.array(line, float)
-        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        ends = [point for point in line if np.shape(point) == (2,)]
+        points = np.array(ends, float)
+        if len(ends) < max(len(line), 2):
             problems.append(f"lines[{k}]: must be a list of at least two points [x, y]")
             continue
         for p, q in pairwise(points):

@@ -172,7 +172,7 @@ def at_least(least: int, **values: int) -> list[str]:
 
 def unit_problems(unit: Sequence[float]) -> list[str]:
     """Sentences on a unit that is not [length, height] in metres."""
-    if len(unit) != 2 or not all(math.isfinite(x) and x > 0.0 for x in unit):
+    if np.shape(unit) != (2,) or not all(math.isfinite(x) and x > 0.0 for x in unit):
         return ["unit: must be [length, height] in metres, both greater than 0"]
     return []
 
