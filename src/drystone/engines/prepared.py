@@ -78,7 +78,7 @@ class Prepared(Derived):
 
     @cached_property
     def movable_weight(self) -> Array:
-        """Of each block [N], (n,): the measure of forces on it; without an end of supports."""
+        """Of each block [N], (n,), by which forces on it are measured; infinite for supports."""
         return np.where(self.assembly.fixed, np.inf, self.assembly.weight)
 
     @cached_property
