@@ -55,14 +55,14 @@ def sum_blocks(
     push, strokes, resistance
         Of the blocks that contacts touch: work of the pattern at multiplier one, the same without
         regard to signs, work of the inertia forces [J].
-    loose
+    free_strokes
         The second of these of the blocks that no contact touches [J].
     """
     n, n_dof = increment.shape
     dim = direction.shape[0]
     carried, inertia, fastest = 0.0, 0.0, 0.0
     kinetic, work = 0.0, 0.0
-    push, strokes, resistance, loose = 0.0, 0.0, 0.0, 0.0
+    push, strokes, resistance, free_strokes = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         force, square = 0.0, 0.0
         for d in range(dim):
@@ -79,13 +79,13 @@ def sum_blocks(
         for d in range(n_dof):
             stroke = pattern[i, d] * increment[i, d]
             if not touched[i]:
-                loose += abs(stroke)
+                free_strokes += abs(stroke)
                 continue
             push += stroke
             strokes += abs(stroke)
             resistance += mass[i, d] * acceleration[i, d] * increment[i, d]
-    work = abs(work)
-    return carried, inertia, np.sqrt(fastest), kinetic, work, push, strokes, resistance, loose
+    fastest, work = np.sqrt(fastest), abs(work)
+    return carried, inertia, fastest, kinetic, work, push, strokes, resistance, free_strokes
 
 
 @njit(cache=True, error_model="numpy")

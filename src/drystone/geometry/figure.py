@@ -142,9 +142,7 @@ def _planes(part: Part) -> tuple[Array, Array]:
     """Outward unit normals (k, dim) of its edges or faces, and their offsets (k,) [m]."""
     if part.faces:
         return solid.face_planes(part.vertices, part.faces)
-    edges = np.roll(part.vertices, -1, axis=0) - part.vertices
-    normal = np.column_stack((edges[:, 1], -edges[:, 0]))
-    normal = normal / np.hypot(edges[:, 0], edges[:, 1])[:, None]
+    normal = polygon.normals(part.vertices)
     return normal, np.sum(normal * part.vertices, axis=1)
 
 

@@ -185,11 +185,15 @@ def turning(vertices: Array, near: float) -> IntArray:
 
 def least_width(vertices: Array) -> float:
     """Least extent of an outline along the normals of its edges [m]."""
+    return float(np.ptp(vertices @ normals(vertices).T, axis=0).min())
+
+
+def normals(vertices: Array) -> Array:
+    """Unit normals (k, 2) of the edges of an outline, to the right of the way along them; those of
+    no length have none."""
     edges = _following(vertices) - vertices
     edges = edges[edges.any(axis=1)]
-    normal = np.column_stack((edges[:, 1], -edges[:, 0]))
-    normal /= np.hypot(edges[:, 0], edges[:, 1])[:, None]
-    return float(np.ptp(vertices @ normal.T, axis=0).min())
+    return np.column_stack((edges[:, 1], -edges[:, 0])) / np.hypot(*edges.T)[:, None]
 
 
 def dent(vertices: Array) -> float:

@@ -25,6 +25,14 @@ def model_to_dict(model: Model) -> dict[str, Any]:
     Walls come out block by block.  Blocks without a material name get ``material1`` and so on,
     one for each unit weight.
     """
+    data = _described(model)
+    if fitted(model.assembly.blocks, DRAWING_TOLERANCE)[1]:
+        data["drawing_tolerance"] = 0.0  # what was left open stays open
+    return data
+
+
+def _described(model: Model) -> dict[str, Any]:
+    """The same, but for how a reader makes the outlines fit."""
     assembly = model.assembly
     names = material_names(assembly.blocks)
     data: dict[str, Any] = {
@@ -34,8 +42,6 @@ def model_to_dict(model: Model) -> dict[str, Any]:
         "material": {name: {"unit_weight": weight} for (_, weight), name in names.items()},
         "joint": _joint(assembly),
     }
-    if fitted(assembly.blocks, DRAWING_TOLERANCE)[1]:
-        data["drawing_tolerance"] = 0.0  # what was left open stays open
     corner = {key: float(v) for key, v in vars(assembly.corner).items() if v}
     if corner:
         data["corner"] = corner
@@ -123,8 +129,7 @@ def digest(model: Model) -> str:
 
     What a curve does not depend on is not part of it: site and assessment.
     """
-    data = model_to_dict(replace(model, site=None, assessment=None))
-    data.pop("drawing_tolerance", None)  # the outlines are what came of it
+    data = _described(replace(model, site=None, assessment=None))
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 

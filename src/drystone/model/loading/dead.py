@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.faces import Traction, faces_towards, has_faces
@@ -102,8 +103,7 @@ class _OnFaces(Target, _Dead):
     within: float = WITHIN  # degrees, largest angle between a face's normal and the side
 
     def __post_init__(self) -> None:
-        side = np.asarray(self.side, float)
-        object.__setattr__(self, "side", side / (np.linalg.norm(side) or 1.0))
+        object.__setattr__(self, "side", direction_of(self.side, "dead_load.side"))
 
     def traction(self, assembly: Assembly) -> Traction:
         """What acts on an area."""
