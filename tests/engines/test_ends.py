@@ -14,7 +14,7 @@ from drystone.contact.detection import Detector
 from drystone.engines.base import EngineError, Problem
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays
-from drystone.limit import limits_beside
+from drystone.limit import collapse_load, limits_beside
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
@@ -400,8 +400,12 @@ def test_a_stone_that_is_lifted_weighs_what_it_does(engine):
 
 @ENGINES
 def test_a_load_on_nothing_that_is_left_ends_the_run(engine):
-    """A stone is drawn out from under two others, and leaves with all of the load."""
+    """A stone is drawn out from under two others, and leaves with all of the load.  What it takes
+    is within the range of limit analysis, 6.62 to 6.71."""
     whole, half = (0.5, 0.3), (0.25, 0.3)
     stones = [(0.0, 0.0, whole), (0.5, 0.0, whole), (0.0, 0.3, half), (0.25, 0.3, whole)]
-    curve = pushover(drawn_up(*stones, (0.75, 0.3, half)), engine=engine)
-    assert 3.0 < curve.capacity.load_multiplier < 12.0  # its weight, and that of all
+    model = drawn_up(*stones, (0.75, 0.3, half))
+    curve = pushover(model, engine=engine)
+    low, high = collapse_load(model, flow="non-associative").collapse_range
+    # Elastic joints lean; what is left out of balance in `nscd` is a step of the load.
+    assert low * (1.0 - 5e-3) < curve.capacity.load_multiplier < high * (1.0 + 5e-3)

@@ -1,7 +1,7 @@
-"""A pinnacle upon a monolith that is a thousand times as heavy, against its closed forms.
+"""A pinnacle upon a monolith that is 200 and 2500 times as heavy, against its closed forms.
 
-Forces on a block are measured by its own weight.  By that of the heaviest block, what is left
-unbalanced at rest, or released by a bond, would be a load on the pinnacle.
+Forces on a block are measured by its own weight.  Measured by the monolith's, an unbalanced force
+on the pinnacle, or one that its bond releases, could be as large as the weight of the pinnacle.
 """
 
 from __future__ import annotations

@@ -122,12 +122,11 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     mass = np.where(assembly.restrained, 0.0, loads.mass) if assembly.on_rollers else loads.mass
-    sums = kernels.sum_blocks(
+    carried, inertia, fastest, kinetic, work, push, strokes, resistance, free = kernels.sum_blocks(
         outcome.increment, outcome.acceleration, outcome.velocity, outcome.contact_force,
         outcome.certificate.touched, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
     )  # fmt: skip
-    carried, inertia, fastest, kinetic, work, push, strokes, resistance, free_strokes = sums
     if assembly.on_rollers:  # what seems to be their inertia is what rollers carry
         borne = np.where(assembly.restrained, loads.mass * outcome.acceleration, 0.0)
         carried += float((borne[:, : len(loads.along)] @ loads.along).sum())
@@ -146,8 +145,6 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
     of_load, of_inertia, of_turned = _friction_of(outcome, push, least)
     push, resistance, turned = push + of_load, resistance + of_inertia, outcome.turned + of_turned
     tells = abs(push) > least
-    # A load on nothing but blocks in flight is borne by nothing.
-    only_free = strokes == 0.0 and free_strokes > 0.0
     excess = resistance / push if tells else 0.0
     fall = turned / push if tells else 0.0
     settlement, reaction = problem.settlement, 0.0
@@ -175,7 +172,8 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_sliding=n_sliding,
         motion=outcome.motion,
         n_iterations=outcome.n_iterations,
-        dynamic=fastest > ACCELERATION_LIMIT * GRAVITY or only_free,
+        # A load on nothing but blocks in flight is borne by nothing.
+        dynamic=fastest > ACCELERATION_LIMIT * GRAVITY or (strokes == 0.0 and free > 0.0),
     )
 
 
