@@ -336,12 +336,15 @@ def test_what_carries_all_that_is_applied_is_at_rest_in_the_published_strategy()
 
 
 @pytest.mark.slow
-def test_a_far_equilibrium_below_the_stop_value_ends_no_curve():
-    """Arch 333 stands on: a small step had found an equilibrium elsewhere, under a negative load.
+@pytest.mark.parametrize("steps", [{}, {"displacement_step": 3e-3}, {"displacement_step": 1e-3}])
+def test_a_far_equilibrium_below_the_stop_value_ends_no_curve(steps):
+    """Arch 333 stands on, by its joints that slip one after another, whatever the step is.
 
-    The curve ended there, "finished", at a third of its peak; `distinct` moves on through it.
+    A small step, or the first one of a jump, had found an equilibrium elsewhere.  The curve ended
+    there, "finished", at a third of its peak, or crept on in motion; `distinct` moves on through.
     """
-    ours, other = (pushover(structure(333), engine=name) for name in ("equilibrium", "distinct"))
+    ours = pushover(structure(333), engine="equilibrium", **steps)
+    other = pushover(structure(333), engine="distinct")
     assert ours.status == "finished"
     peaks = ours.peak.load_multiplier, other.peak.load_multiplier
     assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
