@@ -85,9 +85,10 @@ class DisplacementSettings(EndSettings):
     # Of a block, over the increment, above which a step is a jump.
     snap_motion: float = tolerances.SNAP_MOTION
     # Of a block in a step of a jump, over the largest increment, up to which its time step grows.
-    # Beyond it, a step that moves blocks by `leap` times as much as their last pace is too long.
     jump_motion: float = tolerances.JUMP_MOTION
-    leap: float = tolerances.LEAP
+    # Of a block in a longer step of a jump, over what it would be with the last acceleration, above
+    # which the step is tried again.
+    farther: float = tolerances.FARTHER
     grow_iterations: int = 12  # of a step up to which increments grow
     shrink_iterations: int = 12  # of a step beyond which they shrink
     grown_after: int = 3  # steps after which increments grow again, of which one failed
@@ -120,7 +121,7 @@ class DisplacementState:
     n_jump_steps: int = 0  # since the structure was at rest
     fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
-    pace: float = 0.0  # m/s2, motion in the last step of the jump over the square of its time step
+    acceleration: float = 0.0  # m/s2, in the last step of the jump, of what moved farthest
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
@@ -185,7 +186,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return self._begin_again(state, report)
         if state.load_increment:
             return self._under_load(state, report)
-        if not report.converged or self._snaps(state, report) or self._leaps(state, report):
+        if not report.converged or self._snaps(state, report) or self._strays(state, report):
             return self._retry(state, report)
         if self._thrown_back(state, report) or self._falls_freely(state, report):
             report = changed(report, dynamic=True)  # it is another structure at rest
@@ -434,14 +435,14 @@ class DisplacementControl(Strategy[DisplacementState]):
             drop = expected - report.static_multiplier
         return abs(drop) > s.snap_share * self._scale(state)
 
-    def _leaps(self, state: DisplacementState, report: StepReport) -> bool:
+    def _strays(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether a step of a jump leads far beyond where its blocks were going.
 
         With a short time step its equations have one solution, with a long one they may have
         several; the structure goes to the nearest.
         """
         s = self.settings
-        expected = s.leap * state.pace * state.time_step**2
+        expected = s.farther * state.acceleration * state.time_step**2
         far = max(s.jump_motion * s.displacement_step, expected)
         return state.time_step > 0.0 and report.motion > far
 
@@ -521,7 +522,9 @@ class DisplacementControl(Strategy[DisplacementState]):
         not, as something moves slowly yet."""
         longer = tolerances.JUMP_GROWTH * state.jump_end_step
         time_step = max(self.settings.time_step, longer)
-        return changed(state, stage=FOLLOWING, time_step=time_step, pace=0.0, n_since=LONG_AGO)
+        return changed(
+            state, stage=FOLLOWING, time_step=time_step, acceleration=0.0, n_since=LONG_AGO
+        )
 
     def _floor(self, state: DisplacementState) -> float:
         """The smallest increment that is tried along the path."""
@@ -590,7 +593,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 state, time_step=0.0, jump_end_step=state.time_step, increment=increment
             )
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
-        state = changed(state, pace=report.motion / state.time_step**2)
+        state = changed(state, acceleration=report.motion / state.time_step**2)
         if state.shortened:
             return changed(state, shortened=False)  # what has just failed would fail again
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1

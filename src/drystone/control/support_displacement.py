@@ -193,7 +193,7 @@ class SupportControl(Strategy[_State]):
             slope=None,
         )
         end, inertia = None, max(report.inertia_ratio, report.acceleration)
-        dynamic = not (inertia < s.inertia and h > tolerances.LONG_HELD * s.jump_time_step)
+        dynamic = not (inertia < s.inertia and h > tolerances.LONG_ENOUGH * s.jump_time_step)
         if state.travelled > s.fall:
             end = self._fall(report)
         elif state.n_held >= s.jump_steps:
