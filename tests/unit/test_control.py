@@ -644,6 +644,37 @@ class TestJumps:
         assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
 
     @pytest.mark.parametrize(
+        ("growth", "asked"),
+        [
+            (0.5, [2, 4, 8, 16, 32]),
+            (1.0, [2, 4, 8, 16, 32]),
+            (1.02, []),  # inertia is small, too, where a jump begins
+        ],
+    )
+    def test_rest_is_looked_for_where_blocks_do_not_go_faster_and_faster(self, growth, asked):
+        """Where it is not found, it is looked for again after twice as many steps of the jump."""
+
+        class Creeping(JumpingStructure):
+            def __init__(self):
+                super().__init__([None])
+                self.timed = []
+
+            def step(self, state, demand):
+                self.timed.append(demand.time_step > 0.0)
+                new, report = super().step(state, demand)
+                if demand.time_step == 0.0:
+                    return new, report
+                motion = 1e-6 * STEP * demand.time_step**2 * growth ** sum(self.timed)
+                return SlidingState(0.1), replace(report, motion=motion, control_displacement=0.1)
+
+        structure = Creeping()
+        trace(structure, "displacement", max_steps=150)
+        timed = np.array(structure.timed)
+        ends = 1 + np.flatnonzero(timed[:-1] & ~timed[1:])  # where a static step follows
+        n_jump_steps = [int(timed[:end].sum()) for end in ends]
+        assert n_jump_steps == asked
+
+    @pytest.mark.parametrize(
         ("travelled", "multiplier", "ends"),
         [
             (26.0, -0.1, True),  # steps, of the control point, beyond `fall_motion`
@@ -925,6 +956,27 @@ class TestWhatAStepHides:
         structure = Bending(prescribes=True)
         trace(structure, "displacement", max_steps=12)
         assert len(structure.demands) <= 50
+
+    def test_instability_is_looked_for_no_closer_than_by_the_smallest_step(self):
+        """A quarter of a step that ended unstable was stable, half of it unstable again, and so on.
+
+        Increments went down to what rounding leaves of them.
+        """
+        place = 0.0234 * DELTA_END
+
+        class Unstable(SlidingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                path = StepPath(excess=(0.0, 0.0), bend=(0.0, 0.0))
+                return new, replace(report, unstable=new.delta > place, path=path)
+
+        structure = Unstable(prescribes=True)
+        curve = trace(structure, "displacement", max_displacement=2.0 * place)
+        d = curve.control_displacement
+        (before,) = d[:-1][(d[:-1] <= place) & (place < d[1:])]
+        smallest = DisplacementSettings(displacement_step=STEP).floor_share * STEP
+        assert place - before <= 4.0 * smallest
+        assert min(demand.increment for demand in structure.demands) >= smallest
 
 
 class TestEveryStrategy:

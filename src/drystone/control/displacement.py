@@ -125,8 +125,7 @@ class DisplacementState:
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    # s, last time step of the jump that seems to be over; 0 once a static step has followed
-    jump_end_step: float = 0.0
+    n_to_rest: int = 0  # steps of the jump that seems to be over; 0 once a static one has followed
     load_increment: float = 0.0  # of a step with a given multiplier; 0 where displacements are
     loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows
     next_load: float = 0.0  # increment with which it grows next, until a displacement succeeds
@@ -277,6 +276,8 @@ class DisplacementControl(Strategy[DisplacementState]):
             highest_at=there,
             load_increment=0.0 if beyond else more,
             next_load=more,
+            n_jump_steps=0,
+            n_to_rest=0,
             stage=FOLLOWING,
         )
         over = end_of_curve(s, self._progress(state, report))
@@ -324,7 +325,9 @@ class DisplacementControl(Strategy[DisplacementState]):
             return share * state.increment
         if report.unstable and not state.unstable and not state.n_shorter:
             # Near by may be a stable equilibrium, and the unstable one be of another branch.
-            return tolerances.LOOKED_AT_SHARE * state.increment
+            nearer = tolerances.LOOKED_AT_SHARE * state.increment
+            if nearer > s.floor_share * s.displacement_step:
+                return nearer
         return self._straighter(state, report, scale)
 
     def _straighter(
@@ -518,13 +521,9 @@ class DisplacementControl(Strategy[DisplacementState]):
         return state.last == state.highest
 
     def _in_motion(self, state: DisplacementState) -> DisplacementState:
-        """The state from which a jump is followed: the first, or one that seemed to be over and was
-        not, as something moves slowly yet."""
-        longer = tolerances.JUMP_GROWTH * state.jump_end_step
-        time_step = max(self.settings.time_step, longer)
-        return changed(
-            state, stage=FOLLOWING, time_step=time_step, acceleration=0.0, n_since=LONG_AGO
-        )
+        """The state from which a jump is followed, or one that seemed to be over and was not."""
+        first = self.settings.time_step
+        return changed(state, stage=FOLLOWING, time_step=first, acceleration=0.0, n_since=LONG_AGO)
 
     def _floor(self, state: DisplacementState) -> float:
         """The smallest increment that is tried along the path."""
@@ -557,7 +556,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             least = s.floor_share * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
-            return changed(state, increment=increment, stage=FOLLOWING, jump_end_step=0.0)
+            return changed(state, increment=increment, stage=FOLLOWING, n_to_rest=0)
         if report.n_iterations <= s.grow_iterations:
             scale = self._growth(state, report)
         else:
@@ -566,9 +565,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
-        return changed(
-            state, increment=increment, stage=FOLLOWING, jump_end_step=0.0, n_since=n_since
-        )
+        return changed(state, increment=increment, stage=FOLLOWING, n_to_rest=0, n_since=n_since)
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
         """Growth of the increment after few iterations: the larger the overshoot, the less."""
@@ -589,9 +586,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         s = self.settings
         if self._is_static(state, report):
             increment = tolerances.CROSSING_LENGTH * s.floor_share * s.displacement_step
-            state = changed(
-                state, time_step=0.0, jump_end_step=state.time_step, increment=increment
-            )
+            state = changed(state, time_step=0.0, n_to_rest=state.n_jump_steps, increment=increment)
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         state = changed(state, acceleration=report.motion / state.time_step**2)
         if state.shortened:
@@ -611,12 +606,20 @@ class DisplacementControl(Strategy[DisplacementState]):
         return state.fallen + (report.motion if held_back else 0.0)
 
     def _is_static(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether the structure is at rest: also with time for inertia to take it elsewhere."""
+        """Whether the structure is at rest.
+
+        In a jump, inertia hardly carries any more, and blocks do not move off faster and faster, as
+        they do where a jump begins.  Where it seemed to be over and was not, rest is looked for
+        again after twice as many steps.
+        """
         s = self.settings
         if not state.time_step:
             return not report.dynamic
+        if state.n_jump_steps < tolerances.LATER * state.n_to_rest:
+            return False
         inertia = max(report.inertia_ratio, report.acceleration)
-        return inertia < s.static_inertia and state.time_step > tolerances.LONG_ENOUGH * s.time_step
+        before = state.acceleration * state.time_step**2
+        return inertia < s.static_inertia and report.motion <= tolerances.NO_FASTER * before
 
     def _over(self, state: DisplacementState, report: StepReport) -> End | None:
         """Whether and why the analysis is over."""
