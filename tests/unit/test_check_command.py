@@ -173,3 +173,14 @@ def test_a_reaction_that_is_missing_says_why(tmp_path, monkeypatch):
     assert told["reaction"] is None
     assert told["reaction_note"] == "not looked for in more than 0 blocks, nor whether they stand"
     assert f"reaction       {told['reaction_note']}" in drystone("check", path).stdout
+
+
+def test_a_joint_with_several_straight_parts_has_contacts_on_each(tmp_path):
+    """A block in a notch of its base: one joint on three sides, two contact points on each."""
+    base = "[[-1.0, -0.2], [1.0, -0.2], [1.0, 0.5], [0.2, 0.5], [0.2, 0.0], [-0.2, 0.0]"
+    base += ", [-0.2, 0.5], [-1.0, 0.5]]"
+    flat = "[[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]"
+    path = tmp_path / "notch.toml"
+    path.write_text(MODEL.replace(flat, base))
+    found = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)
+    assert (found["n_joints"], found["n_contacts"]) == (1, 6)

@@ -74,7 +74,7 @@ def _tell_sketch(
     """What there is of blocks that are no model yet, and what is missing; exits if wrong."""
     from drystone.cli.sketches import lacking, refused
     from drystone.model.construction.words import printable
-    from drystone.model.inspection import joint_count
+    from drystone.model.inspection import contact_count, joint_count
 
     against = refused(sketch, wrong)
     if against:
@@ -95,7 +95,7 @@ def _tell_sketch(
                 "n_blocks": assembly.n_blocks,
                 "n_supports": assembly.n_supports,
                 "n_joints": n_joints,
-                "n_contacts": assembly.points * n_joints,
+                "n_contacts": contact_count(assembly),
                 "weight": None,
                 "missing": list(sketch.missing),
                 "problems": [lacking(sketch)],

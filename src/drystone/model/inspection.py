@@ -68,8 +68,8 @@ class Inspection:
     n_joints: int
     """Pairs of blocks, not both supports, with edges that lie on each other at rest."""
     n_contacts: int
-    """Contact points at rest, two to a joint in two dimensions; in three as many as [contact]
-    says."""
+    """Contact points at rest: two to each straight part of a joint in two dimensions, in three as
+    many to each plane part as [contact] says."""
     joint_area: float
     """Of all joints but those between supports [m2]."""
     volume: float
@@ -115,7 +115,7 @@ def inspect(model: Model) -> Inspection:
         n_blocks=assembly.n_blocks,
         n_supports=assembly.n_supports,
         n_joints=n_joints,
-        n_contacts=assembly.points * n_joints,
+        n_contacts=contact_count(assembly),
         joint_area=float(joints.size[loose].sum()) * assembly.thickness,
         volume=float(assembly.volume[movable].sum()),
         weight=float(assembly.weight[movable].sum()),
@@ -136,8 +136,15 @@ def joint_count(assembly: Assembly) -> int:
     """Pairs of blocks with joints between them, but for supports."""
     joints = assembly.interfaces
     loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
-    # Once each: next to a block as thin as the tolerance, one may have a joint at either face.
+    # Once each: a joint may have several plane parts, as that of a block in a notch of another.
     return len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
+
+
+def contact_count(assembly: Assembly) -> int:
+    """Contact points at rest, but between supports."""
+    joints = assembly.interfaces
+    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
+    return assembly.points * int(loose.sum())
 
 
 def _dead_load(model: Model) -> Array:
