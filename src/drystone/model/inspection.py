@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.common.arrays import Array, IntArray
+from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.missed import Missed
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
@@ -100,12 +100,10 @@ class Inspection:
 def inspect(model: Model) -> Inspection:
     """Count the blocks, joints and contacts of a model, and say what is worth knowing."""
     assembly = model.assembly
-    packed, joints = assembly.packed, assembly.interfaces
+    packed = assembly.packed
     p, q = packed.near_pairs()
     keep = ~(assembly.fixed[packed.body[p]] & assembly.fixed[packed.body[q]])
     p, q = p[keep], q[keep]
-    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
-    n_joints = joint_count(assembly)
     movable = ~assembly.fixed
     parts = movable[packed.body]
     problems = (*model.notes, *doubts(model, packed, p, q))
@@ -114,9 +112,9 @@ def inspect(model: Model) -> Inspection:
         dimension=assembly.dimension,
         n_blocks=assembly.n_blocks,
         n_supports=assembly.n_supports,
-        n_joints=n_joints,
+        n_joints=joint_count(assembly),
         n_contacts=contact_count(assembly),
-        joint_area=float(joints.size[loose].sum()) * assembly.thickness,
+        joint_area=float(assembly.interfaces.size[_loose(assembly)].sum()) * assembly.thickness,
         volume=float(assembly.volume[movable].sum()),
         weight=float(assembly.weight[movable].sum()),
         lower=_place(packed.lower[parts].min(axis=0)),
@@ -134,17 +132,20 @@ def inspect(model: Model) -> Inspection:
 
 def joint_count(assembly: Assembly) -> int:
     """Pairs of blocks with joints between them, but for supports."""
-    joints = assembly.interfaces
-    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
+    joints, loose = assembly.interfaces, _loose(assembly)
     # Once each: a joint may have several plane parts, as that of a block in a notch of another.
     return len(set(zip(joints.block_a[loose], joints.block_b[loose], strict=True)))
 
 
 def contact_count(assembly: Assembly) -> int:
-    """Contact points at rest, but between supports."""
+    """Contact points at rest, but for those between supports."""
+    return assembly.points * int(_loose(assembly).sum())
+
+
+def _loose(assembly: Assembly) -> BoolArray:
+    """Which interfaces are not between supports, (n_interfaces,)."""
     joints = assembly.interfaces
-    loose = ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
-    return assembly.points * int(loose.sum())
+    return ~(assembly.fixed[joints.block_a] & assembly.fixed[joints.block_b])
 
 
 def _dead_load(model: Model) -> Array:
