@@ -16,6 +16,9 @@ from drystone.model.builders import (
     model_to_dict,
     published_wall,
 )
+from drystone.model.builders.column import column
+from drystone.model.builders.dome import dome
+from drystone.model.builders.panel import panel
 from drystone.model.construction.vary import remade
 from drystone.model.inspection import inspect
 from drystone.model.joint_law import JointLaw
@@ -293,3 +296,28 @@ class TestDescription:
         b = Block(id="b", vertices=a.vertices + (1, 0), unit_weight=5e3, material="stone")
         with pytest.raises(ModelError, match="stone: has two unit weights"):
             model_of([BASE, a, b])
+
+
+@pytest.mark.parametrize(
+    ("builder", "measures", "said"),
+    [
+        (column, {"width": 0.5, "height": 2.0, "n_blocks": 2.0}, "n_blocks: must be a whole"),
+        (column, {"width": 0.5, "height": 2.0, "n_blocks": "2"}, "n_blocks: must be a whole"),
+        (dome, {"span": 4.0, "thickness": 0.3, "rings": 4.0, "sectors": 8}, "rings: must be"),
+        (dome, {"span": 4.0, "thickness": 0.3, "rings": 4, "sectors": None}, "sectors: must be"),
+        (
+            panel,
+            {
+                "length": 4.0,
+                "height": 2.0,
+                "unit": (0.4, 0.2),
+                "openings": [{"at": 1.2, "width": 0.8, "height": 1.0, "sill": None}],
+            },
+            r"openings\[1\].sill: must be a number",
+        ),
+    ],
+)
+def test_what_is_no_number_is_told(builder, measures, said):
+    """It was a TypeError from within."""
+    with pytest.raises(ModelError, match=said):
+        builder(unit_weight=20e3, **measures)

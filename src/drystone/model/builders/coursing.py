@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 from drystone.common.keys import Choice
-from drystone.model.builders.stones import check_count
+from drystone.model.builders.stones import at_least, check_count
 from drystone.model.construction.words import suggestion
 
 #: Shortest stone that is cut, as a share of the unit's length: a queen closer.
@@ -145,9 +145,7 @@ def bond_problems(bond: str, headers: int, leaves: int) -> list[str]:
         found.append(
             f'headers: must be 0 or at least 2, it is {headers}: bond = "header" has headers alone'
         )
-    if leaves < 1:
-        found.append(f"leaves: must be at least 1, it is {leaves}")
-    return found
+    return found + at_least(1, leaves=leaves)
 
 
 def between(begin: Line, end: Line, voids: Sequence[Void]) -> list[tuple[Line, Line]]:

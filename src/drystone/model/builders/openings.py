@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from numbers import Real
 from typing import Annotated, Any
 
 from drystone.common.keys import NEEDED, Text, keys_of
@@ -34,6 +35,10 @@ PLAN_OPENING_KEYS = tuple(
     replace(key, default=NEEDED) if key.name == "wall" else key for key in keys_of(Opening)
 )
 OPENING_KEYS = tuple(key for key in PLAN_OPENING_KEYS if key.name not in ("wall", "storey"))
+
+
+#: Keys of an opening that are numbers whatever wall it is in.
+NUMBERS = ("at", "width", "height", "sill", "lintel")
 
 
 class Hole:
@@ -99,6 +104,10 @@ def measure_problems(
     found = []
     for i, opening in enumerate(openings, start=1):
         place = f"openings[{i}]"
+        odd = [key for key in NUMBERS if not isinstance(getattr(opening, key), Real)]
+        if odd:
+            found += [f"{place}.{key}: must be a number" for key in odd]
+            continue
         if not (opening.width > 0.0 and opening.height > 0.0 and opening.sill >= 0.0):
             found.append(f"{place}: width and height must be greater than 0 m, sill at least 0 m")
             continue

@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.keys import Choice
-from drystone.model.builders.stones import check_count, positive
+from drystone.model.builders.stones import at_least, check_count, positive
 from drystone.model.construction.errors import ModelError
 from drystone.model.construction.words import suggestion
 
@@ -171,8 +171,8 @@ def _number(voussoirs: int | None, size: float | None, length: float, step: int)
     if voussoirs is None:
         n = length / float(size or length)
         return max(2, 2 * round(0.5 * n)) if step == 2 else max(3, 2 * round(0.5 * (n - 1)) + 1)
-    if voussoirs < 2:
-        raise ModelError([f"voussoirs: must be at least 2, it is {voussoirs}"])
+    if problems := at_least(2, voussoirs=voussoirs):
+        raise ModelError(problems)
     if step == 2 and voussoirs % 2:
         raise ModelError(
             [

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from numbers import Integral
 
 import numpy as np
 
@@ -162,11 +163,11 @@ def positive(**values: float | None) -> list[str]:
 
 
 def at_least(least: int, **values: int) -> list[str]:
-    """Sentences on those of the counts that are too small."""
+    """Sentences on those of the counts that are no whole numbers, or too small."""
     return [
-        f"{key}: must be at least {least}, it is {value}"
+        f"{key}: must be a whole number, at least {least}, it is {value!r}"
         for key, value in values.items()
-        if value < least
+        if not isinstance(value, Integral) or value < least
     ]
 
 
