@@ -528,8 +528,8 @@ NO_FASTER = 1.01
 LATER = 2
 
 #: Time step with the supports held over the first, from which on the structure can be at rest.
-#: Range, from 2.5 to 10: every closed form and every drawn arch within its bound; with 0.25 a portal
-#: is called at rest where it begins to leave an unstable equilibrium.
+#: Range, from 2.5 to 10: every closed form and every drawn arch within its bound; with 0.25 a
+#: portal is called at rest where it begins to leave an unstable equilibrium.
 LONG_ENOUGH = 5.0
 
 #: Motion of a block, over the increment, above which a step is a jump.  Convention.  Range: no
