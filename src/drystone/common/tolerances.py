@@ -523,6 +523,12 @@ JUMP_GROWTH = 1.5
 #: as their jumps lead now to one branch, now to another, all others the same; steps by 1.4 %.
 NO_FASTER = 1.01
 
+#: Time step over the first from which on a jump can be over: in a shorter one blocks hardly move,
+#: so that they hardly go faster.  Range, 0 and 0.5, plane: peaks of three of 112 curves by up to
+#: 1.2e-2, as their jumps branch; steps by 3.2 and 0.2 %.  With 1 an arch of slipping joints ends no
+#: jump with small increments, with 0 a vault of which blocks chatter does not.
+LEAST_TO_REST = 0.25
+
 #: Steps of a jump after which it may be over, over those after which it seemed to be and was not.
 #: Derived: of n steps, no more than log2 n are followed by a static one in vain.
 LATER = 2
