@@ -302,8 +302,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             if stop - multiplier <= s.refined_share * stop:
                 return None
             if self._is_jump(state, report):
-                finer = tolerances.LOOKED_AT_SHARE * state.increment
-                return finer if finer > s.floor_share * s.displacement_step else None
+                return self._looked_at(state)
             aim = (1.0 - 0.5 * s.refined_share) * stop
             share = (state.last - aim) / (state.last - multiplier)
             if state.n_shorter >= CHORDS:
@@ -325,10 +324,16 @@ class DisplacementControl(Strategy[DisplacementState]):
             return share * state.increment
         if report.unstable and not state.unstable and not state.n_shorter:
             # Near by may be a stable equilibrium, and the unstable one be of another branch.
-            nearer = tolerances.LOOKED_AT_SHARE * state.increment
-            if nearer > s.floor_share * s.displacement_step:
-                return nearer
+            looked_at = self._looked_at(state)
+            if looked_at is not None:
+                return looked_at
         return self._straighter(state, report, scale)
+
+    def _looked_at(self, state: DisplacementState) -> float | None:
+        """A smaller increment where a step has come to another branch, if it is not too small."""
+        s = self.settings
+        finer = tolerances.LOOKED_AT_SHARE * state.increment
+        return finer if finer > s.floor_share * s.displacement_step else None
 
     def _straighter(
         self, state: DisplacementState, report: StepReport, scale: float
