@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from drystone.model.assembly import Corner
 from drystone.model.builders import published_wall
 from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine, EquilibriumSettings
+from drystone.statics.interior import InteriorPoint, InteriorSettings
 from drystone.statics.plane import plane_step
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.solution import SolutionSettings, excess_of_cubic
@@ -182,3 +184,44 @@ def test_a_cubic_exceeds_its_ends():
     assert excess == pytest.approx(2.0 / 27.0**0.5, rel=3e-3)
     assert share == pytest.approx(3.0**-0.5, abs=0.03)
     assert excess_of_cubic(0.5, 1.0, 0.5)[0] == 0.0
+
+
+class Settling:
+    """A step whose unbalanced forces rise for two iterations of Newton's method and then vanish, as
+    in the iterations of a corner of two walls in motion."""
+
+    residuals = (7e-8, 1e-3, 2e-5, 1.6e-7, 2.6e-10)
+
+    def __init__(self):
+        body = np.zeros((1, 3))
+        self.loads = SimpleNamespace(dead=np.array([[0.0, -1.0, 0.0]]), fixed=np.array([False]))
+        self.bordered = SimpleNamespace(columns=np.zeros((3, 1, 3)))
+        self.x, self.damping, self.reaction = body, np.zeros(1), None
+        self.multiplier, self.n_moved = 0.0, 0
+
+    def respond(self):
+        """Nothing to be done."""
+
+    def balance(self, _):
+        return self.residuals[self.n_moved]
+
+    def balanced(self):
+        return self.residuals[self.n_moved] < 1e-9
+
+    def aim(self):
+        return 0.0
+
+    def move(self, *_):
+        self.n_moved += 1
+
+    def restart(self, *_):
+        self.n_moved = 0
+
+    inside = None
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_newtons_method_has_all_its_iterations_once_branches_can_be_told(told):
+    """It was given up as soon as forces had not come down in two."""
+    solver = InteriorPoint(Settling(), InteriorSettings())
+    assert solver._try_newton(told) == told

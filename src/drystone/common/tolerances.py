@@ -529,9 +529,10 @@ NO_FASTER = 1.01
 #: jump with small increments, with 0 a vault of which blocks chatter does not.
 LEAST_TO_REST = 0.25
 
-#: Steps of a jump after which it may be over, over those after which it seemed to be and was not.
-#: Derived: of n steps, no more than log2 n are followed by a static one in vain.
-LATER = 2
+#: Time of a jump after which it may be over, over that after which it seemed to be and was not.
+#: Derived: of a jump of time t in steps of h at least, no more than log2 (t / h) are followed by a
+#: static step in vain, and no more than half of its time passes unasked.
+LATER = 2.0
 
 #: Time step with the supports held over the first, from which on the structure can be at rest.
 #: Range, from 2.5 to 10: every closed form and every drawn arch within its bound; with 0.25 a

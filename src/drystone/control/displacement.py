@@ -119,13 +119,15 @@ class DisplacementState:
     n_steps: int = 0
     n_shorter: int = 0  # times that this step was taken again to less than it had reached
     n_jump_steps: int = 0  # since the structure was at rest
+    jump_time: float = 0.0  # s, that they took
     fallen: float = 0.0  # m, in those of them that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
     acceleration: float = 0.0  # m/s2, in the last step of the jump, of what moved farthest
     shortened: bool = False  # whether the last one failed with a longer one
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    n_to_rest: int = 0  # steps of the jump that seems to be over; 0 once a static one has followed
+    # s, time of the jump at which it seemed to be over; 0 once a static step has followed
+    rested_at: float = 0.0
     load_increment: float = 0.0  # of a step with a given multiplier; 0 where displacements are
     loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows
     next_load: float = 0.0  # increment with which it grows next, until a displacement succeeds
@@ -207,6 +209,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             n_steps=state.n_steps + 1,
             n_shorter=0,
             n_jump_steps=state.n_jump_steps + 1 if state.time_step else 0,
+            jump_time=state.jump_time + state.time_step if state.time_step else 0.0,
             fallen=self._fallen(state, report),
             released=back and not state.time_step,
             last=multiplier,
@@ -277,7 +280,8 @@ class DisplacementControl(Strategy[DisplacementState]):
             load_increment=0.0 if beyond else more,
             next_load=more,
             n_jump_steps=0,
-            n_to_rest=0,
+            jump_time=0.0,
+            rested_at=0.0,
             stage=FOLLOWING,
         )
         over = end_of_curve(s, self._progress(state, report))
@@ -561,7 +565,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             least = s.floor_share * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
-            return changed(state, increment=increment, stage=FOLLOWING, n_to_rest=0)
+            return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0)
         if report.n_iterations <= s.grow_iterations:
             scale = self._growth(state, report)
         else:
@@ -570,7 +574,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again
         increment = min(scale * state.increment, s.displacement_step)
-        return changed(state, increment=increment, stage=FOLLOWING, n_to_rest=0, n_since=n_since)
+        return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0, n_since=n_since)
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
         """Growth of the increment after few iterations: the larger the overshoot, the less."""
@@ -591,7 +595,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         s = self.settings
         if self._is_static(state, report):
             increment = tolerances.CROSSING_LENGTH * s.floor_share * s.displacement_step
-            state = changed(state, time_step=0.0, n_to_rest=state.n_jump_steps, increment=increment)
+            state = changed(state, time_step=0.0, rested_at=state.jump_time, increment=increment)
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         state = changed(state, acceleration=report.motion / state.time_step**2)
         if state.shortened:
@@ -615,12 +619,12 @@ class DisplacementControl(Strategy[DisplacementState]):
 
         In a jump, inertia hardly carries any more, and blocks do not move off faster and faster, as
         they do where a jump begins.  Where it seemed to be over and was not, rest is looked for
-        again after twice as many steps.
+        again after twice as long a time: steps are longer and longer where nothing moves by itself.
         """
         s = self.settings
         if not state.time_step:
             return not report.dynamic
-        if state.n_jump_steps < tolerances.LATER * state.n_to_rest:
+        if state.jump_time < tolerances.LATER * state.rested_at:
             return False
         if state.time_step < tolerances.LEAST_TO_REST * s.time_step:
             return False

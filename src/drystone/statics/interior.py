@@ -158,7 +158,7 @@ class InteriorPoint:
             if (
                 due
                 and residual <= tolerances.NEWTON_RESIDUAL * self.block_weight
-                and self._try_newton()
+                and self._try_newton(told)
             ):
                 return True
             again = k + AGAIN if due and told else again
@@ -202,12 +202,17 @@ class InteriorPoint:
         self.step.balance(self.step.inside)
         return False
 
-    def _try_newton(self) -> bool:
-        """Whether Newton's method finds the solution from here; else the step is left as it was."""
+    def _try_newton(self, told: bool) -> bool:
+        """Whether Newton's method finds the solution from here; else the step is left as it was.
+
+        Where the branches of contacts can be ``told``, a few of them change still, and the
+        unbalanced force rises while they do: it has all its iterations there.
+        """
         step = self.step
         x, multiplier, damping = step.x.copy(), step.multiplier, step.damping.copy()
         s = self.settings
-        if self.newton(s.newton_iterations, patience=NEWTON_PATIENCE, gain=tolerances.NEWTON_GAIN):
+        patience = s.newton_iterations if told else NEWTON_PATIENCE
+        if self.newton(s.newton_iterations, patience=patience, gain=tolerances.NEWTON_GAIN):
             return True
         step.restart(x, multiplier)
         step.damping[:] = damping
