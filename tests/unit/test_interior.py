@@ -186,7 +186,7 @@ def test_a_cubic_exceeds_its_ends():
     assert excess_of_cubic(0.5, 1.0, 0.5)[0] == 0.0
 
 
-class Settling:
+class LastChanges:
     """A step whose unbalanced forces rise for two iterations of Newton's method and then vanish, as
     in the iterations of a corner of two walls in motion."""
 
@@ -223,5 +223,5 @@ class Settling:
 @pytest.mark.parametrize("told", [True, False])
 def test_newtons_method_has_all_its_iterations_once_branches_can_be_told(told):
     """It was given up as soon as forces had not come down in two."""
-    solver = InteriorPoint(Settling(), InteriorSettings())
+    solver = InteriorPoint(LastChanges(), InteriorSettings())
     assert solver._try_newton(told) == told

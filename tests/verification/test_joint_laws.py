@@ -121,9 +121,10 @@ class TestTensionAndBending:
         return self.strength * np.exp(-rate * opened)
 
     @pytest.fixture(scope="class")
-    def curves(self):
+    @classmethod
+    def curves(cls):
         return {
-            step: self.pads.trace(self.left, joint(), (1.0, 0.0), step, max_displacement=4e-3)
+            step: cls.pads.trace(cls.left, joint(), (1.0, 0.0), step, max_displacement=4e-3)
             for step in STEPS
         }
 
