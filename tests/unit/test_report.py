@@ -22,6 +22,7 @@ from drystone.report.joints import Joints
 from drystone.report.mechanism import Drawn, Mechanism, readable_magnification
 from drystone.report.mechanism_figure import plot_mechanism
 from drystone.results.curve import SETTLEMENT
+from drystone.results.events import Event, EventKind
 from drystone.results.shapes import MovingShapes, moving_blocks
 
 
@@ -201,6 +202,31 @@ def test_curve_names_branches_peak_and_end(tmp_path):
     assert "0.500" in written and "2.00 mm" in written  # the peak that synthetic.curve has
     assert "0.392 m" in written  # 0.002 + 0.398 (1 - 0.01 / 0.5), see synthetic.points
     assert axes.get_xlabel().endswith("[m]")
+
+
+def test_what_is_left_after_a_collapse_has_a_branch_of_its_own():
+    """The post-peak branch of the whole structure was told to be that of what is left."""
+    whole = synthetic.curve(dynamic=False)
+    last = whole.points[40]
+    points = tuple(
+        replace(point, load_multiplier=point.load_multiplier + (point.step > last.step))
+        for point in whole.points
+    )
+    fallen = Event(
+        kind=EventKind.BLOCK_FALLEN,
+        step=last.step,
+        control_displacement=last.control_displacement,
+        load_multiplier=last.load_multiplier,
+        blocks=("b1",),
+        motion=1.0,
+    )
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", replace(whole, points=points, events=(fallen,)))])
+    lines = {line.get_label(): line for line in axes.lines}
+    assert lines["post-peak branch"].get_xdata()[-1] == last.control_displacement
+    left = lines["after a part collapsed"]
+    assert left.get_xdata()[-1] == points[-1].control_displacement
+    assert left.get_color() != lines["post-peak branch"].get_color()
 
 
 def test_static_line_leaves_out_dynamic_points():

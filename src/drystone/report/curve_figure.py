@@ -207,16 +207,21 @@ def _plot_beside(
 
 
 def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
-    """One curve: up to the peak and after it in two colours of different darkness."""
+    """One curve: up to the peak, after it, and of what is left if that bears more, in colours."""
     x, y = _static(curve, unit)
-    top = curve.points.index(curve.capacity)
-    after = "after a part collapsed" if curve.rises_after_collapse else "post-peak branch"
+    top, first, last = curve.points.index(curve.capacity), curve.first_collapse, len(x) - 1
+    if first is not None and curve.rises_after_collapse:
+        last = sum(point.step <= first.step for point in curve.points) - 1
     style: dict[str, Any] = {"linewidth": 2.0, "solid_capstyle": "round", "zorder": 4}
-    axes.plot(
-        x[: top + 1], y[: top + 1], color=canvas.CURVE_COLOURS[0], label="ascending branch", **style
-    )
-    if top + 1 < len(x):
-        axes.plot(x[top:], y[top:], color=canvas.CURVE_COLOURS[1], label=after, **style)
+    branches = {
+        "ascending branch": (0, top),
+        "post-peak branch": (top, last),
+        "after a part collapsed": (last, len(x) - 1),
+    }
+    for (label, (begin, end)), colour in zip(branches.items(), canvas.CURVE_COLOURS, strict=False):
+        if begin < end or label == "ascending branch":
+            along = slice(begin, end + 1)
+            axes.plot(x[along], y[along], color=colour, label=label, **style)
 
 
 def _plot_whole(axes: Axes, label: str, curve: CapacityCurve, unit: Unit, i: int) -> None:
