@@ -676,7 +676,7 @@ class TestJumps:
         taken = np.array(structure.taken)
         lasted = np.cumsum(taken)
         ends = np.flatnonzero((taken[:-1] > 0.0) & (taken[1:] == 0.0))  # a static step follows
-        assert (len(ends) > 5) == looked_for and len(ends) != 1
+        assert len(ends) > 5 if looked_for else len(ends) == 0
         rounding = 1e-12
         assert (lasted[ends[1:]] >= (2.0 - rounding) * lasted[ends[:-1]]).all()
         assert (lasted[ends[1:] - 1] < 2.0 * lasted[ends[:-1]]).all()

@@ -211,7 +211,7 @@ def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     x, y = _static(curve, unit)
     top, first, last = curve.points.index(curve.capacity), curve.first_collapse, len(x) - 1
     if first is not None and curve.rises_after_collapse:
-        last = sum(point.step <= first.step for point in curve.points) - 1
+        last = len(curve.until(first).points) - 1
     style: dict[str, Any] = {"linewidth": 2.0, "solid_capstyle": "round", "zorder": 4}
     branches = {
         "ascending branch": (0, top),
