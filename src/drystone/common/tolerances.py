@@ -523,13 +523,6 @@ JUMP_GROWTH = 1.5
 #: as their jumps lead now to one branch, now to another, all others the same; steps by 1.4 %.
 NO_FASTER = 1.01
 
-#: Time step over the first from which on a jump can be over: in a shorter one blocks hardly move,
-#: so that they hardly go faster.  Range, plane, 0 and 0.5: peaks of two of 112 curves by up to
-#: 4e-3, as their jumps branch; steps by 0.9 and 10 %, of which two curves have 9.  Space, 0: peaks
-#: of none of 80 that end; steps by 1.1 and 1.6 %.  With 1 an arch of slipping joints needs
-#: seventeen times the points.
-LEAST_TO_REST = 0.25
-
 #: Time of a jump after which it may be over, over that after which it seemed to be and was not.
 #: Derived: of a jump of time t in steps of h at least, no more than log2 (t / h) are followed by a
 #: static step in vain, and no more than half of its time passes unasked.

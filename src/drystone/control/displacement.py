@@ -626,8 +626,6 @@ class DisplacementControl(Strategy[DisplacementState]):
             return not report.dynamic
         if state.jump_time < tolerances.LATER * state.rested_at:
             return False
-        if state.time_step < tolerances.LEAST_TO_REST * s.time_step:
-            return False
         inertia = max(report.inertia_ratio, report.acceleration)
         before = state.acceleration * state.time_step**2
         return inertia < s.static_inertia and report.motion <= tolerances.NO_FASTER * before
