@@ -85,7 +85,7 @@ class TestOverlap:
         width = overlap.width_of(area, overlap.measure(corner, half, count)[3])
         near, short = tolerances.CLIP * width, tolerances.MERGE * width
         overlap.name_corners(corner, name, half, count, q, len(q), p, len(p), near)
-        count = overlap.merge_corners(corner, name, half, count, short, near)
+        count = overlap.merge_corners(corner, name, half, count, short, near, (0.0, 0.0))
         n = overlap.n_spread(count, points, 200)
         net = {25: 6 * count + 1, 81: 20 * count + 1}
         assert n == {4: count, 9: 2 * count + 1, 16: 4 * count, **net}[points]
@@ -130,6 +130,26 @@ class TestOverlap:
         parts, joins = cuts[np.argmax(up)], cuts[::-1][np.argmin(down)]
         assert parts > most * 0.7  # of the width of the overlap, a part of the square
         assert joins == pytest.approx(tolerances.MERGED_AGAIN * parts, abs=3e-3)
+
+    @pytest.mark.parametrize(("tilt", "carries"), [(0.02, 0.0), (-0.02, 0.03)])
+    @pytest.mark.parametrize("lower_first", [True, False])
+    def test_of_a_short_side_the_end_that_is_nearer_stays(self, tilt, carries, lower_first):
+        """A rim, x = 0, cuts off a corner of the upper box, along 0.03 of it: one end is left.
+
+        The side of that box runs nearly along the rim, and rises or goes down along it.
+        """
+        out, turn = 1.5e-3, 0.05
+        lean = rotation((tilt, 0, 0)) @ rotation((0, 0, turn))
+        vertices, faces = box((-1, 0, 0), (0, 1, 1))
+        both = [
+            box((-2, -1, -1), (0, 2, 0)),
+            (vertices @ lean.T + (out, 0.0, 0.005 if tilt > 0 else 0.025), faces),
+        ]
+        scene = Scene(both if lower_first else both[::-1])
+        slots = scene.find()
+        place = scene.shapes.centroid[0] + slots.arm_a[used(slots)]
+        on_rim = np.abs(place[:, 0]) < 2.0 * out
+        assert place[on_rim, 1] == pytest.approx([carries], abs=1e-3)
 
     @pytest.mark.parametrize(("beyond", "stays"), [(3e-4, True), (3e-3, False)])
     def test_a_vertex_stays_on_a_face_a_little_beyond_its_rim(self, beyond, stays):
@@ -517,11 +537,42 @@ class TestRounded:
             k = used(a)
             if len(k) < 3 or not np.array_equal(a.which[k], b.which[k]):
                 continue
-            assert b.gap[k] == pytest.approx(a.gap[k] - 2 * radius, abs=ROUNDING)
+            # Of a side that the other part tilts about, here by no more than 2e-3, gaps are along
+            # that part's normal, or at the nearest point of a side beside.
+            apart, tilt = np.abs(a.gap[k]).max(), 2e-3
+            assert b.gap[k] == pytest.approx(a.gap[k] - 2 * radius, abs=tilt**2 * apart)
             # At the surface of the body that has the point.
             v = np.where(a.kind[k] == VERTEX_B, -1.0, 1.0)[:, None]
-            assert b.arm_a[k] == pytest.approx(a.arm_a[k] + v * radius * a.normal[k], abs=ROUNDING)
+            surface = a.arm_a[k] + v * radius * a.normal[k]
+            assert b.arm_a[k] == pytest.approx(surface, abs=tilt * apart)
             assert b.value[k, BALL_3] == pytest.approx(radius)
+
+    @pytest.mark.parametrize("points", [4, 9])
+    @pytest.mark.parametrize("rims", [False, True], ids=["rim on face", "rim on rim"])
+    def test_what_tilts_about_a_side_rests_on_all_its_points(self, rims, points):
+        """One end of the side is a vertex, the other is where a side of the upper box crosses it.
+
+        The upper face goes on beyond the rim x = 1 that it tilts about, past the foot of that rim
+        on it, or less far: then both rims touch.
+        """
+        radii, tilt, beyond = 0.1, 0.1, 0.002
+        turn = rotation((0, tilt, 0))
+        vertices, faces = box((-2.0, -0.5, 0.0), (beyond, 1.5, 1.0))
+        shift = radii * turn @ (0.0, 0.0, 1.0)
+        if rims:  # the upper one out and down by this from where the box turns
+            out, down = beyond * np.cos(tilt), beyond * np.sin(tilt)
+            shift = np.array([0.0, 0.0, np.sqrt(radii**2 - out**2) + down])
+        upper = vertices @ turn.T + (1.0, 0.0, 0.0) + shift
+        scene = Scene(
+            [box((-1, -1, -1), (1, 1, 0)), (upper, faces)], radius=radii / 2, points=points
+        )
+        slots = scene.find()
+        k = used(slots)
+        place = scene.shapes.centroid[0] + slots.arm_a[k]
+        on_side = place[:, 0] > 0.9
+        assert np.count_nonzero(on_side) == (2 if points == 4 else 3)
+        assert np.sort(place[on_side, 1])[[0, -1]] == pytest.approx((-0.5, 1.0), abs=1e-9)
+        assert slots.gap[k][on_side] == pytest.approx(0.0, abs=1e-9)
 
     def test_corner_by_corner(self):
         """Balls at two vertices: distance less radii, along the line from one to the other."""

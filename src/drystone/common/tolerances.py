@@ -256,6 +256,10 @@ CLIP = 1e-3
 #: Sides of an overlap shorter than this share of its width have one end only.  Not measured.
 MERGE = 5e-2
 
+#: Slope of one face over the other along such a side, above which the end stays where they are
+#: nearer to each other.  Not measured.
+SIDE_SLOPE = 1e-3
+
 #: Share of `MERGE` below which a side goes both ends of which were points before.  Range, halved:
 #: peaks of vaults and stairs the same, steps by 2 %; but for a vault that falls in motion, which
 #: ends 1e-4 m sooner, in 17 % fewer steps.

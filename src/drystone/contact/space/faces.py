@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import CLIP, EDGE_ON, LEAST_AREA, MERGE, SUMS
+from drystone.common.tolerances import CLIP, EDGE_FLAT, EDGE_ON, LEAST_AREA, MERGE, SUMS
 from drystone.contact.contacts import (
     EDGE_A,
     EDGE_B,
@@ -114,6 +114,22 @@ def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
 
 
 @njit(cache=True)
+def _slope(normal, faces, work):
+    """Slope (2,) of the incident face over the reference face, along the tangents in ``work``.
+
+    Faces that tilt by more than an edge that lies on a face have none: they meet by their edges.
+    """
+    x, y, cosine = 0.0, 0.0, 0.0
+    for c in range(3):
+        of_q = normal[faces[1], c]
+        x += of_q * work[0, c]
+        y += of_q * work[1, c]
+        cosine -= of_q * normal[faces[0], c]
+    flat = x * x + y * y <= EDGE_FLAT * EDGE_FLAT * cosine * cosine
+    return (x / cosine, y / cosine) if flat else (0.0, 0.0)
+
+
+@njit(cache=True)
 def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
     polygon, name, slack = scratch.polygon, scratch.name, SUMS * near / CLIP
@@ -129,7 +145,8 @@ def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)
         _mark_kept(scene, scratch, faces, p_is_a, corners, n, m)
-        count = merge_corners(polygon, name, half, count, short, near)
+        slope = _slope(scene.normal, faces, scratch.work)
+        count = merge_corners(polygon, name, half, count, short, near, slope)
         half = sort_corners(polygon, name, half, count)
     return half, count, area, cx, cy
 

@@ -10,9 +10,12 @@ vertices meet, and another one with every rounding error, so corners are named a
 1. A corner nearer than CLIP widths to a vertex of the incident face is that vertex; else one that
    near to a vertex of the reference face is that one; else it is where two sides cross.
 2. The shortest side goes, as long as it is shorter than MERGE widths of the overlap, and of its
-   two ends the less well defined one: the crossing before the vertex.  A side both ends of which
-   were points before goes only where it is shorter than MERGED_AGAIN of that: else a point that
-   carries would be there in one step and not in the next, as its force opens it.
+   two ends the one where the faces are farther apart, if they tilt along that side by more than
+   SIDE_SLOPE: a side of one face that runs nearly along one of the other crosses it far from the
+   corner that carries.  Of faces that are flush, or tilt by more than EDGE_FLAT and meet by their
+   edges, the less well defined end goes: the crossing before the vertex.  A side both ends of
+   which were points before goes only where it is shorter than MERGED_AGAIN of that: else a point
+   that carries would be there in one step and not in the next, as its force opens it.
 
 What remains are true corners of the overlap in their true places.  Faces that only share a piece
 of a side, or a corner, overlap nowhere; they are cut with a slack of CLIP widths and keep the one
@@ -26,7 +29,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import MERGED_AGAIN, ROUNDING, SUMS, TURNS
+from drystone.common.tolerances import MERGED_AGAIN, ROUNDING, SIDE_SLOPE, SUMS, TURNS
 
 #: What a corner or point is: a vertex of the incident face, one of the reference face, where two
 #: sides cross, a point on a side of the overlap, the inner point of a corner or the centroid.
@@ -200,6 +203,16 @@ def _worse(name, half, i, j):
 
 
 @njit(cache=True)
+def _goes(corner, name, half, i, j, slope):
+    """Whether of both ends of a short side corner i goes, and not corner j; see the module's."""
+    dx, dy = corner[half, j, 0] - corner[half, i, 0], corner[half, j, 1] - corner[half, i, 1]
+    rise = slope[0] * dx + slope[1] * dy
+    if rise * rise > SIDE_SLOPE * SIDE_SLOPE * (dx * dx + dy * dy):
+        return rise < 0.0
+    return _worse(name, half, i, j)
+
+
+@njit(cache=True)
 def _drop(corner, name, half, count, removed):
     """Take one corner out of a list."""
     for i in range(removed, count - 1):
@@ -209,8 +222,11 @@ def _drop(corner, name, half, count, removed):
 
 
 @njit(cache=True)
-def merge_corners(corner, name, half, count, short, near):
-    """Steps 2 and 3 of the module's; returns how many corners remain."""
+def merge_corners(corner, name, half, count, short, near, slope):
+    """Steps 2 and 3 of the module's; returns how many corners remain.
+
+    ``slope`` (2,) is that of the incident face over the reference face.
+    """
     while count > 1:
         shortest, at = short * short, -1
         for i in range(count):
@@ -226,7 +242,7 @@ def merge_corners(corner, name, half, count, short, near):
             break
         after = at + 1 if at + 1 < count else 0
         removed = at
-        if not _worse(name, half, at, after):
+        if not _goes(corner, name, half, at, after, slope):
             removed = after
             name[half, at, LEAVES] = name[half, after, LEAVES]
         _drop(corner, name, half, count, removed)

@@ -12,6 +12,11 @@ there is
 
 So it turns steadily from that of the one face to that of the other.  In the third case bodies touch
 midway between both surfaces, in the others at the one that has the vertex, as in the plane.
+
+An incident face that goes down beyond a side of the reference face tilts about that side.  The
+points there, where sides cross and in between, are points of that side on the incident face.  Else
+they would be open by the sum of the radii times half the square of the tilt, where a vertex at an
+end of the same side is in contact.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ from drystone.common.tolerances import DEEP, ROUNDING
 from drystone.contact.contacts import (
     BALL_3,
     EDGE_A,
+    EDGE_B,
     FEATURE_A,
     FEATURE_B,
     KIND,
@@ -68,6 +74,86 @@ def _rim(ring, corner, vertex, normal, face, at, past):
 
 
 @njit(cache=True)
+def _tilts_about(scene, edge, face, beyond, at):
+    """Whether an incident face, ``beyond``, goes down past the side ``edge`` of a face, and lies
+    above that at ``at`` (3,) [m]."""
+    normal, vertex = scene.normal, scene.vertex
+    sense = 1.0 if scene.edge[edge, 2] == face else -1.0
+    first, second = scene.edge[edge, 0], scene.edge[edge, 1]
+    down, square, above = 0.0, 0.0, 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        dj, dk = vertex[second, j] - vertex[first, j], vertex[second, k] - vertex[first, k]
+        down -= sense * (dj * normal[face, k] - dk * normal[face, j]) * normal[beyond, i]
+        square += dj * dj
+        above += (at[i] - vertex[first, i]) * normal[face, i]
+    return above > 0.0 and down > ROUNDING * np.sqrt(square)
+
+
+@njit(cache=True)
+def _place(scene, v, k, value, at):
+    """Where the point of body v in slot k is [m], into ``at`` (3,)."""
+    for c in range(3):
+        at[c] = scene.centroid[v, c] + scene.pose[v, c] + value[k, POINT_3 + c]
+        for i in range(3):
+            at[c] += scene.rotation[v, c, i] * value[k, POINT_3 + i]
+
+
+@njit(cache=True)
+def _to_side(scene, edge, k, value, at):
+    """Make slot k the point of an ``edge`` that is nearest to ``at`` (3,) [m], which goes there."""
+    local, vertex = scene.local, scene.vertex
+    first, second = scene.edge[edge, 0], scene.edge[edge, 1]
+    along, square = 0.0, 0.0
+    for c in range(3):
+        d = vertex[second, c] - vertex[first, c]
+        along += (at[c] - vertex[first, c]) * d
+        square += d * d
+    share = min(max(along / square, 0.0), 1.0)
+    for c in range(3):
+        at[c] = vertex[first, c] + share * (vertex[second, c] - vertex[first, c])
+        value[k, POINT_3 + c] = local[first, c] + share * (local[second, c] - local[first, c])
+
+
+@njit(cache=True)
+def _lie_on(scene, face, k, value):
+    """Make the plane of slot k that of a face."""
+    origin = scene.corner[scene.ring[face], 0]
+    for c in range(3):
+        value[k, PLACE_3 + c] = scene.local[origin, c]
+        value[k, PLANE_NORMAL_3 + c] = scene.plane[face, c]
+        value[k, PLANE_TANGENT_3 + c] = scene.plane[face, 3 + c]
+
+
+@njit(cache=True)
+def _point_past(scene, parts, k, which, value, at):
+    """Whether slot k of two ``parts`` has a point that may lie past the end of the face it is on,
+    and its place [m], into ``at`` (3,).
+
+    Points of a side that the other part tilts about become points on that part's face.
+    """
+    n_vertices, n_edges = scene.local.shape[0], scene.edge.shape[0]
+    on_b = which[k, KIND] == VERTEX_B
+    of_v, of_f = (FEATURE_B, FEATURE_A) if on_b else (FEATURE_A, FEATURE_B)
+    face_v, face_f = (EDGE_B, EDGE_A) if on_b else (EDGE_A, EDGE_B)
+    point, side = which[k, of_v], which[k, of_f] - n_vertices
+    face, beyond = which[k, face_f], which[k, face_v]
+    if point < n_vertices and side == n_edges + face:
+        for c in range(3):
+            at[c] = scene.vertex[point, c]
+        return True
+    if not 0 <= side < n_edges:
+        return False
+    _place(scene, scene.of_part[parts[1] if on_b else parts[0]], k, value, at)
+    if not _tilts_about(scene, side, face, beyond, at):
+        return False
+    _to_side(scene, side, k, value, at)
+    _lie_on(scene, beyond, k, value)
+    which[k, KIND] = VERTEX_A if on_b else VERTEX_B
+    return True
+
+
+@njit(cache=True)
 def meet_rims(scene, work, p, q, begin, stop, which, value):
     """Give slots from ``begin`` to ``stop``, of parts p and q, their balls, and at a rim the normal
     that rounded edges have there.
@@ -75,42 +161,39 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
     ``work`` (5, 3) is scratch.
     """
     radius_a, radius_b = scene.radius[p], scene.radius[q]
-    for k in range(begin, stop):
-        value[k, BALL_3] = radius_b if which[k, KIND] == VERTEX_B else radius_a
-    if radius_a + radius_b == 0.0:
+    radii = radius_a + radius_b
+    if radii == 0.0:
+        for k in range(begin, stop):
+            value[k, BALL_3] = 0.0
         return
     ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
     rotation, vertex, normal = scene.rotation, scene.vertex, scene.normal
-    n_vertices, n_faces = local.shape[0], local.shape[0] + scene.edge.shape[0]
-    past, rim, apart = ROUNDING * (radius_a + radius_b), work[0], work[1]
+    past, rim, apart, at = ROUNDING * radii, work[0], work[1], work[2]
     for k in range(begin, stop):
+        may_be_past = _point_past(scene, (p, q), k, which, value, at)
         on_b = which[k, KIND] == VERTEX_B
-        of_v, of_f = (FEATURE_B, FEATURE_A) if on_b else (FEATURE_A, FEATURE_B)
-        point, face = which[k, of_v], which[k, of_f] - n_faces
-        if point >= n_vertices or face != which[k, of_f - FEATURE_A + EDGE_A]:
+        value[k, BALL_3] = radius_b if on_b else radius_a
+        if not may_be_past:
             continue
-        beyond = which[k, of_v - FEATURE_A + EDGE_A]
-        i, j, share = _rim(ring, corner, vertex, normal, face, vertex[point], past)
+        face, beyond = which[k, EDGE_A if on_b else EDGE_B], which[k, EDGE_B if on_b else EDGE_A]
+        i, j, share = _rim(ring, corner, vertex, normal, face, at, past)
         if i < 0:
             continue
         size = 0.0
         for c in range(3):
             rim[c] = vertex[i, c] + share * (vertex[j, c] - vertex[i, c])
-            apart[c] = vertex[point, c] - rim[c]
+            apart[c] = at[c] - rim[c]
             size += apart[c] * apart[c]
         size = np.sqrt(size)
         above, _, _ = _rim(ring, corner, vertex, normal, beyond, rim, past)
         if above < 0:
             which[k, KIND] = VERTEX_A if on_b else VERTEX_B
             value[k, BALL_3] = radius_a if on_b else radius_b
-            origin = corner[ring[beyond], 0]
             for c in range(3):
                 value[k, POINT_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
-                value[k, PLACE_3 + c] = local[origin, c]
-                value[k, PLANE_NORMAL_3 + c] = plane[beyond, c]
-                value[k, PLANE_TANGENT_3 + c] = plane[beyond, 3 + c]
-        elif size > DEEP * (radius_a + radius_b):
-            value[k, BALL_3] *= size / (radius_a + radius_b)
+            _lie_on(scene, beyond, k, value)
+        elif size > DEEP * radii:
+            value[k, BALL_3] *= size / radii
             carrier, along, length = scene.of_part[p if on_b else q], 0.0, 0.0
             for c in range(3):
                 value[k, PLACE_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
