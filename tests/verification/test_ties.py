@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 import drystone as ds
-from builders import rectangle, stack
+from builders import problem_of, rectangle, stack
+from drystone.dynamics.distinct.engine import DistinctEngine
+from drystone.dynamics.distinct.workspace import Workspace
 from drystone.model.ties import names_of
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
@@ -458,3 +460,17 @@ def test_two_blocks_drawn_together_until_the_tie_is_slack(engine):
     curve = ds.pushover(model_of([drawn], box("c", 2.0), control_block="c"), engine=engine)
     assert curve.status == "finished", curve.reason
     assert WIDTH / HEIGHT - 3.5e-3 < curve.capacity.load_multiplier < WIDTH / HEIGHT
+
+
+def test_a_block_that_hangs_on_a_tie_alone_falls_as_slowly_as_any():
+    """By the stiffness of its tie it would have a mass so small that it meets the next block at a
+    speed that no joint stops within a cycle, and rebounds without an end."""
+    hung = ds.TieEnd(block="c", point=np.array((0.0, 1.2)))
+    model = model_of([tie(end=hung)], box("c", 0.0, y=1.0))
+    problem = replace(problem_of(model), ties=model.ties)
+    engine, assembly = DistinctEngine(), problem.assembly
+    lying, hanging = (assembly.index(name) for name in ("b", "c"))
+    pose = assembly.design_pose()
+    pose[hanging, 1] += 0.5
+    work = Workspace(engine.settings, engine.release(problem, pose), real_masses=False)
+    assert work.mass[hanging] == pytest.approx(work.mass[lying])

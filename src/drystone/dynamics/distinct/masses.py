@@ -56,12 +56,13 @@ def masses(
     away = slots.gap[contacts.slot] - known[:, DILATION]
     acts = (away <= watched) | _bonded(prepared, pairs.law_of_slot[contacts.slot], known)
     explicit.stiffness_blocks(prepared.dof, contacts, acts, blocks)
+    touched = np.einsum("nii->ni", blocks).any(axis=1) & ~assembly.fixed
     if ties is not None and prepared.bars.n_ties:
         ties.act(pose)
         ties.add_twice(blocks)
     blocks *= 0.25 * (1.0 + s.local_damping) / s.safety**2
     scaling = s.mass_scaling or (1.0 if real else np.inf)
-    needed = _needed(blocks, assembly.fixed)
+    needed = _needed(blocks, assembly.fixed, touched)
     if needed is None:
         return assembly.mass, FREE_TIME_STEP
     if np.isinf(scaling):
@@ -80,19 +81,19 @@ def _bonded(prepared: DistinctPrepared, law: IntArray, history: Array) -> BoolAr
     return np.asarray(has_bond[law] & (history[:, BROKEN] == 0.0))
 
 
-def _needed(blocks: Array, fixed: BoolArray) -> Array | None:
-    """Masses for which a time step of one is stable, (n, n_dof); None where no block is touched.
+def _needed(blocks: Array, fixed: BoolArray, touched: BoolArray) -> Array | None:
+    """Masses for which a time step of one is stable, (n, n_dof); None where nothing holds a block.
 
-    A block that touches nothing gets the largest: it falls as slowly as the stiffest block moves,
-    and is caught where it lands.
+    A block that is not ``touched`` (n,) by another gets the largest: it falls, or swings on its
+    tie, as slowly as the stiffest block moves, and is caught where it lands.
     """
     stiffness = np.einsum("nii->ni", blocks)
-    touched = stiffness.any(axis=1) & ~fixed
-    if not touched.any():
+    held = stiffness.any(axis=1) & ~fixed
+    if not held.any():
         return None
     needed = np.maximum(stiffness, LEAST_STIFFNESS * stiffness[~fixed].max(axis=0) + TINY)
     needed *= _highest(blocks, needed)[:, None]
-    needed[~touched] = needed[touched].max(axis=0)
+    needed[~touched] = needed[held].max(axis=0)
     return np.asarray(needed, dtype=np.float64)
 
 
