@@ -117,7 +117,7 @@ def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
 def _slope(normal, faces, work):
     """Slope (2,) of the incident face over the reference face, along the tangents in ``work``.
 
-    Faces that tilt by more than an edge that lies on a face have none: they meet by their edges.
+    Faces that tilt by more than EDGE_FLAT have none: they meet by their edges.
     """
     x, y, cosine = 0.0, 0.0, 0.0
     for c in range(3):
