@@ -1,5 +1,7 @@
 """Settings of all tests.  This file's folder is where they import `builders` from."""
 
+from pathlib import Path
+
 import pytest
 from hypothesis import settings
 
@@ -11,6 +13,22 @@ from drystone.report.folder import directory, resume
 # A first call may compile for seconds; the examples are the same in every run.
 settings.register_profile("drystone", deadline=None, derandomize=True)
 settings.load_profile("drystone")
+
+
+#: Names of tests that are slow by measurement.
+SLOW = {
+    line
+    for line in (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines()
+    if not line.startswith("#")
+}
+
+
+# Before `-m` is looked at.
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.nodeid in SLOW:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(autouse=True)

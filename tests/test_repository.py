@@ -104,6 +104,18 @@ def test_ci_fails_where_a_test_marked_gate_does():
     assert collected("slow", "-p", "seeded", **none) == collected("gate") != set()
 
 
+def test_what_is_called_slow_is_there():
+    """A test that has another name now would be run with the quick ones."""
+    listed = (ROOT / "tests" / "slow.txt").read_text(encoding="utf-8").splitlines()
+    named = {line.split("[")[0] for line in listed if not line.startswith("#")}
+    there: dict[str, set[str]] = {}
+    for file in {name.split("::")[0] for name in named}:
+        tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
+        functions = (node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
+        there[file] = set(functions)
+    assert not {n for n in named if n.split("::")[-1] not in there[n.split("::")[0]]}
+
+
 def test_every_command_in_the_documentation_exists():
     from drystone.cli import app
 

@@ -120,7 +120,6 @@ def test_a_disk_that_fills_as_a_run_goes_on(disk, whole):
 
 
 @pytest.mark.slow
-@pytest.mark.gate
 @pytest.mark.usefixtures("often")
 def test_a_disk_that_fills_at_twenty_moments(disk, whole):
     n = len(ds.load_results(whole).curve.points)
