@@ -29,7 +29,7 @@ from drystone.limit.cone_program import force_program
 from drystone.limit.cones import Regions, least_normal, least_of_growth, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import WHOLE, from_inside
-from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer
+from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, Given
 
 #: From this many contact points on the interior-point method is asked first, by the dimension.  On
 #: dry walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100;
@@ -206,14 +206,14 @@ def _by_program(
     largest: float = np.inf,
     recession: bool = False,
 ) -> Answer:
-    program = force_program(
-        equilibrium,
+    given = Given(
         column=column,
         right=right,
         slope=equilibrium.points.friction,
         least=least_of_growth(equilibrium) if recession else least_normal(equilibrium),
         largest=largest,
     )
+    program = force_program(equilibrium, given)
     nothing = np.zeros(equilibrium.n_contacts)
     program.limit_shear(nothing if recession else equilibrium.cohesion)
     return program.solve()

@@ -24,7 +24,15 @@ from scipy.sparse import coo_array, csc_array, csc_matrix, hstack, vstack
 from drystone.common.arrays import Array, IntArray
 from drystone.geometry.motion import beside
 from drystone.limit.equilibrium import Equilibrium
-from drystone.limit.program import FAILED, INFEASIBLE, OPTIMAL, UNBOUNDED, Answer, ForceProgram
+from drystone.limit.program import (
+    FAILED,
+    INFEASIBLE,
+    OPTIMAL,
+    UNBOUNDED,
+    Answer,
+    ForceProgram,
+    Given,
+)
 
 #: Of Clarabel, by its names, one set after another until one answers.  Regularisation of the
 #: default, 1e-8, is felt in the last digits.
@@ -51,36 +59,15 @@ GOOD, ACCEPTABLE = 1e-8, 1e-7
 
 
 class ConeProgram:
-    """One program in any dimension.
+    """One program in any dimension."""
 
-    Parameters
-    ----------
-    column, right
-        q and r of the module's heading, (n_rows,).
-    slope
-        m, (n_contacts,).
-    least
-        l, (n_contacts,).
-    largest
-        Upper bound on s.
-    """
-
-    def __init__(
-        self,
-        equilibrium: Equilibrium,
-        *,
-        column: Array,
-        right: Array,
-        slope: Array,
-        least: Array,
-        largest: float = np.inf,
-    ) -> None:
+    def __init__(self, equilibrium: Equilibrium, given: Given) -> None:
         n = equilibrium.n_contacts
         self._n, self._dim = n, equilibrium.points.dimension
-        self._balance = csc_array(hstack([equilibrium.matrix, csc_array(column[:, None])]))
-        self._right, self._slope, self._least = right, slope, least
+        self._balance = csc_array(hstack([equilibrium.matrix, csc_array(given.column[:, None])]))
+        self._right, self._slope, self._least = given.right, given.slope, given.least
         self._intercept = np.zeros(n)
-        self._bounds = (-np.inf, largest)
+        self._bounds = (-np.inf, given.largest)
         self._sense = 1.0
         self._way = np.zeros((n, self._dim - 1))  # unit vectors of contacts held at their limit
         self._normal = np.full(n, np.nan)  # of contacts whose normal force is given
@@ -194,10 +181,10 @@ class ConeProgram:
         return csc_array(matrix), right.ravel(), [(self._dim, "cone")] * len(contact)
 
 
-def force_program(equilibrium: Equilibrium, **parts: Any) -> ForceProgram | ConeProgram:
+def force_program(equilibrium: Equilibrium, given: Given) -> ForceProgram | ConeProgram:
     """The program of the structure's dimension, linear in the plane."""
     kind = ForceProgram if equilibrium.points.dimension == 2 else ConeProgram
-    return kind(equilibrium, **parts)
+    return kind(equilibrium, given)
 
 
 def minimise(

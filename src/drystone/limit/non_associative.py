@@ -45,7 +45,7 @@ from drystone.limit.cone_program import ConeProgram, force_program
 from drystone.limit.cones import Regions, least_normal, shear_strength
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import from_inside
-from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram
+from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, ForceProgram, Given
 
 #: Relative velocities below this share of the largest are none, in the plane and in space: where
 #: cones are round, the power of a mechanism differs by the square of what its velocities do.
@@ -236,7 +236,8 @@ def _follow(
     column, right = equilibrium.live, -equilibrium.dead
     normal, before, program = np.maximum(start, low), np.inf, None
     if equilibrium.points.dimension == 2:
-        program = ForceProgram(equilibrium, column=column, right=right, slope=slope, least=low)
+        given = Given(column=column, right=right, slope=slope, least=low)
+        program = ForceProgram(equilibrium, given)
     for k in range(1, settings.max_iterations + 1):
         intercept = equilibrium.cohesion + (friction - slope) * normal
         if program is None:
@@ -295,13 +296,13 @@ def compatible_forces(
     slip = equilibrium.slip(relative)
     slides = slip > still
     opens = relative[:, 0] > slope * slip + still
-    program = (ConeProgram if is_large(equilibrium) else ForceProgram)(
-        equilibrium,
+    given = Given(
         column=equilibrium.live,
         right=-equilibrium.dead,
         slope=equilibrium.points.friction,
         least=low,
     )
+    program = (ConeProgram if is_large(equilibrium) else ForceProgram)(equilibrium, given)
     program.limit_shear(equilibrium.cohesion)
     contact = np.flatnonzero(slides)
     # The force on b is against the velocity of b.
@@ -329,7 +330,8 @@ def lower_bound(equilibrium: Equilibrium, slope: Array) -> float:
     regions = Regions.within(equilibrium.points.dimension, slope, intercept, low)
     answer = from_inside(equilibrium, regions, column, right)
     if answer is None:
-        program = force_program(equilibrium, column=column, right=right, slope=slope, least=low)
+        given = Given(column=column, right=right, slope=slope, least=low)
+        program = force_program(equilibrium, given)
         program.limit_shear(intercept)
         answer = program.solve()
     return max(answer.factor, 0.0) if answer.status == OPTIMAL else 0.0

@@ -47,6 +47,17 @@ def _silent_solver() -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Given:
+    """What a program does not change, by the letters of the module's heading."""
+
+    column: Array  # q, (n_rows,)
+    right: Array  # r, (n_rows,)
+    slope: Array  # m, (n_contacts,)
+    least: Array  # l, (n_contacts,)
+    largest: float = np.inf  # that s may be
+
+
+@dataclass(frozen=True, kw_only=True)
 class Answer:
     """What came of one program."""
 
@@ -58,37 +69,16 @@ class Answer:
 
 
 class ForceProgram:
-    """One program; keeps its last basis.
+    """One program; keeps its last basis."""
 
-    Parameters
-    ----------
-    column, right
-        q and r of the module's heading, (n_rows,).
-    slope
-        m, (n_contacts,).
-    least
-        l, (n_contacts,).
-    largest
-        Upper bound on s.
-    """
-
-    def __init__(
-        self,
-        equilibrium: Equilibrium,
-        *,
-        column: Array,
-        right: Array,
-        slope: Array,
-        least: Array,
-        largest: float = np.inf,
-    ) -> None:
+    def __init__(self, equilibrium: Equilibrium, given: Given) -> None:
         import highspy  # here, because most commands do without
 
         self._high = highspy
         n = equilibrium.n_contacts
-        self._n_rows, self._n = len(right), n
-        balance = hstack([equilibrium.matrix, csc_array(column[:, None])])
-        matrix = csc_array(vstack([balance, hstack([_cone(slope), csc_array((2 * n, 1))])]))
+        self._n_rows, self._n = len(given.right), n
+        balance = hstack([equilibrium.matrix, csc_array(given.column[:, None])])
+        matrix = csc_array(vstack([balance, hstack([_cone(given.slope), csc_array((2 * n, 1))])]))
         matrix.eliminate_zeros()
         matrix.sort_indices()
         infinity = highspy.kHighsInf
@@ -96,11 +86,11 @@ class ForceProgram:
         lp.num_row_, lp.num_col_ = matrix.shape
         lp.col_cost_ = np.concatenate((np.zeros(2 * n), [-1.0]))
         lower = np.full(2 * n + 1, -infinity)
-        lower[: 2 * n : 2] = least
+        lower[: 2 * n : 2] = given.least
         lp.col_lower_ = lower
-        lp.col_upper_ = np.concatenate((np.full(2 * n, infinity), [min(largest, infinity)]))
-        lp.row_lower_ = np.concatenate((right, np.full(2 * n, -infinity)))
-        lp.row_upper_ = np.concatenate((right, np.zeros(2 * n)))
+        lp.col_upper_ = np.concatenate((np.full(2 * n, infinity), [min(given.largest, infinity)]))
+        lp.row_lower_ = np.concatenate((given.right, np.full(2 * n, -infinity)))
+        lp.row_upper_ = np.concatenate((given.right, np.zeros(2 * n)))
         lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         lp.a_matrix_.start_ = matrix.indptr
         lp.a_matrix_.index_ = matrix.indices
