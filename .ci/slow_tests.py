@@ -14,13 +14,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 #: Longer tests than this are slow [s].
 LONGEST = 1.2
-#: Never slow: the same questions to every engine, the published walls, and what the documentation
-#: shows.
+#: Never slow: the same questions to every engine, the published walls, what the documentation
+#: shows, what guards the repository, and kernels, whose quick tests also run interpreted.
 KEPT = (
     "tests/engines/test_conformance",
     "tests/validation/test_published_walls.py",
     "tests/test_documentation.py",
     "tests/test_examples.py",
+    "tests/test_repository.py",
+    "tests/unit/test_kernels_",
 )
 HEAD = f"""\
 # Tests that took longer than {LONGEST:g} s, which tests/conftest.py marks `slow`.

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 import pytest
 
 import drystone
+from conftest import SLOW
 from drystone.common import kernel_cache
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -106,8 +107,7 @@ def test_ci_fails_where_a_test_marked_gate_does():
 
 def test_what_is_called_slow_is_there():
     """A test that has another name now would be run with the quick ones."""
-    listed = (ROOT / "tests" / "slow.txt").read_text(encoding="utf-8").splitlines()
-    named = {line.split("[")[0] for line in listed if not line.startswith("#")}
+    named = {name.split("[")[0] for name in SLOW}
     there: dict[str, set[str]] = {}
     for file in {name.split("::")[0] for name in named}:
         tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))

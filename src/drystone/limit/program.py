@@ -48,7 +48,7 @@ def _silent_solver() -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Given:
-    """What a program does not change, by the letters of the module's heading."""
+    """What a program begins with, by the letters of the module's heading."""
 
     column: Array  # q, (n_rows,)
     right: Array  # r, (n_rows,)
