@@ -669,9 +669,9 @@ def test_tangent_of_edges_whatever_their_normal_lies_along(across):
         "tangent": shapes.plane[face, 3:],
         "neither": np.array([0.6, 0.48, 0.64]),
     }[across]
-    slots, work = Slots.empty(scene.pairs.n_slots, 3), np.zeros((4, 4))
-    work[0, :3], work[1, :2] = normal, 0.5
-    edge_on_edge(kernel_scene, work, (0, 1, 0, 4), (a, b), (face, edge[b, 2]), *slots)
+    slots, work = Slots.empty(scene.pairs.n_slots, 3), np.zeros((5, 3))
+    work[0], work[1, :2] = normal, 0.5
+    edge_on_edge(kernel_scene, work, (0, 1, 0, 4), (a, b), (face, edge[b, 2]), 0.0, *slots)
     tangent = slots.value[0, PLANE_TANGENT_3 : PLANE_TANGENT_3 + 3]
     assert np.linalg.norm(tangent) == pytest.approx(1.0, abs=1e-14)
     assert tangent @ normal == pytest.approx(0.0, abs=1e-14)

@@ -118,3 +118,35 @@ def test_rims_that_meet_touch_midway(past):
     np.testing.assert_allclose(slots.normal[at][:, [0, 2]], [apart / distance] * 2, atol=1e-12)
     middle = below + 0.5 * apart - model.assembly.centroid[0, [0, 2]]
     np.testing.assert_allclose(slots.arm_a[at][:, [0, 2]], [middle] * 2, atol=1e-12)
+
+
+@pytest.mark.parametrize("twist", [0.0, 1e-6, -3e-4, 3e-4, 5e-3, -5e-3])
+@pytest.mark.parametrize("turn", [0.0, 0.01, -0.01])
+def test_edges_that_are_nearly_parallel_meet_at_both_ends(turn, twist):
+    """The upper block lies beyond the end of the block below, and its lower left edge faces the
+    upper right one there.  It is turned about the direction from edge to edge by ``twist``, and
+    about a line across both by ``turn``.
+    """
+    model = ds.extruded(stack())
+    below, above = model.assembly.centroid
+    apart = np.array([0.6, 0.0, 0.8]) * 1.9 * RADIUS
+    own = np.array([RADIUS - 0.2, 0.0, RADIUS - 0.1])  # middle of the core's edge
+    edge = np.array([0.2 - RADIUS, 0.0, 0.1 - RADIUS])
+    vector = 0.5 * np.array([0.6 * twist - 0.8 * turn, 0.0, 0.8 * twist + 0.6 * turn])
+    w, u = np.sqrt(1.0 - vector @ vector), vector
+    rotation = (
+        np.eye(3) * (w * w - u @ u)
+        + 2.0 * np.outer(u, u)
+        + 2.0 * w * np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    )
+    pose = model.assembly.design_pose()
+    pose[1] = (*(below + edge + apart - rotation @ own - above), w, *u)
+    slots, used = contacts(model.assembly, pose)
+    half = np.array([0.0, 0.5 - RADIUS, 0.0])
+    ends = [apart + rotation @ (side * half) - side * half for side in (-1.0, 1.0)]
+    # Seen along an edge, the end of the other one lies by (1 - cos) of its length within it.
+    gaps = [np.hypot(end[0], end[2]) - 2.0 * RADIUS for end in ends]
+    assert len(used) == 2
+    at = used[np.argsort(slots.arm_a[used][:, 1])]
+    np.testing.assert_allclose(slots.gap[at], gaps, atol=1e-7)
+    np.testing.assert_allclose(slots.size[at], slots.size[at[0]])

@@ -22,7 +22,7 @@ from drystone.contact.contacts import (
     VERTEX_B,
 )
 from drystone.contact.space.points import evaluate
-from drystone.contact.space.separation import best_edges, nearest_edges
+from drystone.contact.space.separation import best_edges, nearest_edges, toward
 
 
 @njit(cache=True)
@@ -64,25 +64,18 @@ def _candidate(local, plane, a0, a1, face, trial, c):
 
 
 @njit(cache=True)
-def edge_on_edge(scene, work, pair, edges, faces, which, value):
-    """The point where edges of a and b cross, evaluated, into the first slot of their pair.
-
-    ``work`` is that of `best_edges`.  Returned is the slot behind it.
-    """
-    local, edge, plane, extent = scene.local, scene.edge, scene.plane, scene.extent
-    (edge_a, edge_b), (face_a, face_b), (p, q, k, _) = edges, faces, pair
-    rotation, a, b, n_vertices = scene.rotation, scene.of_part[p], scene.of_part[q], local.shape[0]
-    which[k, KIND] = VERTEX_B
-    which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
-    which[k, EDGE_A], which[k, EDGE_B] = face_a, face_b
-    value[k, SIZE] = LEAST_FACE * min(extent[face_a, 0], extent[face_b, 0])
-    a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
+def _write_point(scene, pair, edges, face, k, axis, shares, value):
+    """Where edges of a and b are nearest, into slot k: ``axis`` (3,) is the normal, from a to b, and
+    ``shares`` (2,) tell where along both."""
+    local, edge, plane, rotation = scene.local, scene.edge, scene.plane, scene.rotation
+    a0, a1, b0, b1 = edge[edges[0], 0], edge[edges[0], 1], edge[edges[1], 0], edge[edges[1], 1]
+    a = scene.of_part[pair[0]]
     for c in range(3):
-        value[k, PLACE_3 + c] = local[a0, c] + work[1, 0] * (local[a1, c] - local[a0, c])
-        value[k, POINT_3 + c] = local[b0, c] + work[1, 1] * (local[b1, c] - local[b0, c])
-        back = work[0, c]
+        value[k, PLACE_3 + c] = local[a0, c] + shares[0] * (local[a1, c] - local[a0, c])
+        value[k, POINT_3 + c] = local[b0, c] + shares[1] * (local[b1, c] - local[b0, c])
+        back = axis[c]
         for i in range(3):
-            back += rotation[a, i, c] * work[0, i]
+            back += rotation[a, i, c] * axis[i]
         value[k, PLANE_NORMAL_3 + c] = back
     # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
     # Where corners meet, both may lie along it: then the face's normal does not.
@@ -90,19 +83,112 @@ def edge_on_edge(scene, work, pair, edges, faces, which, value):
     for trial in range(3):
         along, size = 0.0, 0.0
         for c in range(3):
-            t = _candidate(local, plane, a0, a1, face_a, trial, c)
+            t = _candidate(local, plane, a0, a1, face, trial, c)
             along += t * value[k, PLANE_NORMAL_3 + c]
             size += t * t
         off = 1.0 - along * along / size
         if off > best and (trial < 2 or best < 0.25):
             best, chosen, aside, square = off, trial, along, size * off
     for c in range(3):
-        t = _candidate(local, plane, a0, a1, face_a, chosen, c)
+        t = _candidate(local, plane, a0, a1, face, chosen, c)
         t -= aside * value[k, PLANE_NORMAL_3 + c]
         value[k, PLANE_TANGENT_3 + c] = t / np.sqrt(square)
-    value[k, BALL_3], radii = scene.radius[q], scene.radius[p] + scene.radius[q]
-    evaluate(scene.centroid, radii, rotation, scene.pose, which, value, k, a, b)
-    return k + 1
+
+
+@njit(cache=True)
+def _ends(scene, edge_a, edge_b, first, second):
+    """Where two edges that are parallel but for EDGE_FLAT begin and end to face each other.
+
+    Shares along both edges go to ``first`` and ``second`` (2,).  Returned is the length along which
+    they do [m], zero where there is none.
+    """
+    vertex, edge = scene.vertex, scene.edge
+    a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
+    uu, uv, vv, to_b0, from_b0 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for c in range(3):
+        u, v = vertex[a1, c] - vertex[a0, c], vertex[b1, c] - vertex[b0, c]
+        w = vertex[b0, c] - vertex[a0, c]
+        uu, uv, vv = uu + u * u, uv + u * v, vv + v * v
+        to_b0, from_b0 = to_b0 + u * w, from_b0 - v * w
+    if uv * uv < (1.0 - EDGE_FLAT * EDGE_FLAT) * uu * vv:
+        return 0.0
+    sense, at_b0, at_b1 = uv > 0.0, to_b0 / uu, (to_b0 + uv) / uu  # ends of b along a
+    low, high = min(at_b0, at_b1), max(at_b0, at_b1)
+    first[0], second[0] = max(low, 0.0), min(high, 1.0)
+    first[1], second[1] = 0.0 if sense else 1.0, 1.0 if sense else 0.0
+    if low <= 0.0:
+        first[1] = min(max(from_b0 / vv, 0.0), 1.0)
+    if high >= 1.0:
+        second[1] = min(max((from_b0 + uv) / vv, 0.0), 1.0)
+    return max(second[0] - first[0], 0.0) * np.sqrt(uu)
+
+
+@njit(cache=True)
+def _line(scene, work, pair, across):
+    """Edges of a and b that meet along a line: the longest of those that are nowhere farther apart,
+    at one end of it at least, than the nearest edges are, ``across`` [m], but for KEPT_FACE.
+
+    Near a corner several edges are as near.  Ends of the line go to the third and fourth row of
+    ``work``, see `_ends`; edges are -1 where there is no line.
+    """
+    (p, q, _, _), vertex, edge, first = pair, scene.vertex, scene.edge, scene.first
+    slack, longest, edge_a, edge_b = KEPT_FACE * min(scene.size[p], scene.size[q]), 0.0, -1, -1
+    if scene.radius[p] + scene.radius[q] == 0.0 or across <= slack:
+        return edge_a, edge_b
+    for i in range(first[p, 2], first[p + 1, 2]):
+        for j in range(first[q, 2], first[q + 1, 2]):
+            length = _ends(scene, i, j, work[2], work[3])
+            if length <= longest:
+                continue
+            a0, a1, b0, b1 = edge[i, 0], edge[i, 1], edge[j, 0], edge[j, 1]
+            least = min(
+                toward(vertex, a0, a1, b0, b1, work[2], work[4]),
+                toward(vertex, a0, a1, b0, b1, work[3], work[4]),
+            )
+            if least <= across + slack:
+                longest, edge_a, edge_b = length, i, j
+    if edge_a >= 0:
+        _ends(scene, edge_a, edge_b, work[2], work[3])
+    return edge_a, edge_b
+
+
+@njit(cache=True)
+def _name(edge, edge_a, edge_b, shares, n_vertices, which, k):
+    """Features of a point at ``shares`` (2,) of two edges: a vertex where it is an end of one."""
+    which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
+    if shares[0] == 0.0 or shares[0] == 1.0:
+        which[k, FEATURE_A] = edge[edge_a, 1 if shares[0] == 1.0 else 0]
+    elif shares[1] == 0.0 or shares[1] == 1.0:
+        which[k, FEATURE_B] = edge[edge_b, 1 if shares[1] == 1.0 else 0]
+
+
+@njit(cache=True)
+def edge_on_edge(scene, work, pair, edges, faces, across, which, value):
+    """The points where edges of a and b meet, evaluated, into the first slots of their pair.
+
+    ``work`` is that of `best_edges`.  The edges are ``across`` [m] apart.  Returned is the slot
+    behind the points.
+    """
+    edge, extent, n_vertices = scene.edge, scene.extent, scene.local.shape[0]
+    (edge_a, edge_b), (face_a, face_b), (p, q, begin, _), n = edges, faces, pair, 1
+    a, b, radii = scene.of_part[p], scene.of_part[q], scene.radius[p] + scene.radius[q]
+    along_a, along_b = _line(scene, work, pair, across)
+    if along_a >= 0:
+        edge_a, edge_b, n = along_a, along_b, 2
+    a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
+    for k in range(begin, begin + n):
+        shares = work[1] if n == 1 else work[2 + k - begin]
+        if n == 2:
+            toward(scene.vertex, a0, a1, b0, b1, shares, work[0])
+        which[k, KIND], which[k, EDGE_A], which[k, EDGE_B] = VERTEX_B, face_a, face_b
+        which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
+        if n == 2:
+            _name(edge, edge_a, edge_b, shares, n_vertices, which, k)
+        value[k, SIZE] = LEAST_FACE * min(extent[face_a, 0], extent[face_b, 0]) / n
+        value[k, BALL_3] = scene.radius[q]
+        _write_point(scene, pair, (edge_a, edge_b), face_a, k, work[0], shares, value)
+        evaluate(scene.centroid, radii, scene.rotation, scene.pose, which, value, k, a, b)
+    return begin + n
 
 
 @njit(cache=True)

@@ -22,7 +22,10 @@ has LEAST_AREA of the smaller face.
 Where no point of the overlap is as near as the separation says, the faces are not what touches.
 Then edges that cross and separate the parts more by EDGES_MARGIN, or touch where those points are
 open by as much, make one point, on a normal that a carries along; of rounded parts, likewise the
-nearest points of all edges.  Its area is LEAST_FACE of the smaller of the two faces.  Points that
+nearest points of all edges.  Its area is LEAST_FACE of the smaller of the two faces.  Rounded edges
+that are nearly parallel (EDGE_FLAT) meet along a line instead.  They make a point at each end of
+it, with half of that area and a normal of its own.  The nearest points alone would lie at one end,
+and a block that turns by little would meet the other at the other end, in turn.  Points that
 are as near are no proof where parts overlap by more than EDGES_MARGIN: an edge that lies on the rim
 of a face overlaps it by little, and by much as seen along the face beside.  Edges that separate the
 parts more by EDGES_MARGIN touch there, too.
@@ -161,7 +164,9 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
                         empty(which, value, begin, stop)
                         stop = begin
                 if stop == begin:
-                    stop = edge_on_edge(scene, scratch.crossing, pair, edges, faces, which, value)
+                    stop = edge_on_edge(
+                        scene, scratch.crossing, pair, edges, faces, across, which, value
+                    )
         for k in range(begin, stop):
             if value[k, GAP] > reach:
                 which[k, KIND], value[k, GAP] = NONE, np.inf

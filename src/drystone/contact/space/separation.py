@@ -186,6 +186,22 @@ def best_edges(first, edge, vertex, normal, p, q, work):
 
 
 @njit(cache=True)
+def toward(vertex, a0, a1, b0, b1, shares, axis):
+    """Unit vector from a point of one segment to one of another, which lie at ``shares`` (2,) of
+    them, into ``axis`` (3,); their distance [m]."""
+    square = 0.0
+    for c in range(3):
+        of_a = vertex[a0, c] + shares[0] * (vertex[a1, c] - vertex[a0, c])
+        of_b = vertex[b0, c] + shares[1] * (vertex[b1, c] - vertex[b0, c])
+        axis[c] = of_b - of_a
+        square += axis[c] ** 2
+    size = np.sqrt(square)
+    for c in range(3):
+        axis[c] /= size if size > 0.0 else 1.0
+    return size
+
+
+@njit(cache=True)
 def nearest_edges(first, edge, vertex, p, q, work):
     """Edges of p and q that come nearest to each other, and how near [m].
 
@@ -202,12 +218,6 @@ def nearest_edges(first, edge, vertex, p, q, work):
                 best, edge_p, edge_q = apart, i, j
                 shares[0], shares[1] = trial[0], trial[1]
     if best > 0.0 and edge_p >= 0:
-        size = 0.0
-        for c in range(3):
-            a0, b0 = vertex[edge[edge_p, 0], c], vertex[edge[edge_q, 0], c]
-            a1, b1 = vertex[edge[edge_p, 1], c], vertex[edge[edge_q, 1], c]
-            axis[c] = b0 + shares[1] * (b1 - b0) - a0 - shares[0] * (a1 - a0)
-            size += axis[c] ** 2
-        for c in range(3):
-            axis[c] /= np.sqrt(size) if size > 0.0 else 1.0
+        a0, a1, b0, b1 = edge[edge_p, 0], edge[edge_p, 1], edge[edge_q, 0], edge[edge_q, 1]
+        toward(vertex, a0, a1, b0, b1, shares, axis)
     return edge_p, edge_q, best
