@@ -17,6 +17,7 @@ import numpy as np
 from drystone.common import tolerances
 from drystone.common.arrays import Array
 from drystone.engines.base import TOO_FAR, Fold
+from drystone.law.branches import BONDED
 from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
@@ -413,9 +414,16 @@ def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | N
 
 
 def _slope_at_start(step: StaticStep, multiplier: float) -> float:
-    """Slope of the curve [1/m] where a step begins; NaN where the stiffness is singular."""
+    """Slope of the curve [1/m] where a step begins; NaN where the stiffness is singular.
+
+    Joints that carry nothing count as open.  Whether they are just open, stick or slide is a matter
+    of rounding.
+    """
     step.restart(np.zeros_like(step.x), multiplier)
     step.respond()
+    largest = np.abs(step.reaction[: step.n]).max(axis=1)
+    idle = (largest <= step.accuracy.tolerance) & (step.branch[: step.n] != BONDED)
+    step.response[: step.n][idle] = 0.0
     known = step.slope()
     return math.nan if known is None else known
 
