@@ -65,8 +65,10 @@ def _candidate(local, plane, a0, a1, face, trial, c):
 
 @njit(cache=True)
 def _write_point(scene, pair, edges, face, k, axis, shares, value):
-    """Where edges of a and b are nearest, into slot k: ``axis`` (3,) is the normal, from a to b, and
-    ``shares`` (2,) tell where along both."""
+    """Place, normal and tangent of a point of two edges, into slot k.
+
+    ``shares`` (2,) tell where along both edges it is, ``axis`` (3,) is its normal, from a to b.
+    """
     local, edge, plane, rotation = scene.local, scene.edge, scene.plane, scene.rotation
     a0, a1, b0, b1 = edge[edges[0], 0], edge[edges[0], 1], edge[edges[1], 0], edge[edges[1], 1]
     a = scene.of_part[pair[0]]
