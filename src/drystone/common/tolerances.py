@@ -226,8 +226,8 @@ DEEP = 0.1
 #: Not measured.
 EDGES_MARGIN = 1e-2
 
-#: Angle between an edge and a face [rad] below which both ends of the edge are in contact.
-#: Not measured.
+#: Angle between an edge and a face, or between two rounded edges [rad], below which both ends of
+#: what they share are in contact.  Not measured.
 EDGE_FLAT = 0.05
 
 #: Cosine between the incident and the reference face below which the former is seen edge on.

@@ -127,11 +127,11 @@ def _ends(scene, edge_a, edge_b, first, second):
 
 @njit(cache=True)
 def _line(scene, work, pair, across):
-    """Edges of a and b that meet along a line: the longest of those that are nowhere farther apart,
-    at one end of it at least, than the nearest edges are, ``across`` [m], but for KEPT_FACE.
+    """Edges of a and b that meet along a line, or -1 for both where there is none.
 
-    Near a corner several edges are as near.  Ends of the line go to the third and fourth row of
-    ``work``, see `_ends`; edges are -1 where there is no line.
+    The nearest edges are ``across`` [m] apart; near a corner several are.  A line has an end that
+    is as near but for KEPT_FACE, and the longest line is taken.  Its ends go to the third and
+    fourth row of ``work``, see `_ends`.
     """
     (p, q, _, _), vertex, edge, first = pair, scene.vertex, scene.edge, scene.first
     slack, longest, edge_a, edge_b = KEPT_FACE * min(scene.size[p], scene.size[q]), 0.0, -1, -1
@@ -155,9 +155,8 @@ def _line(scene, work, pair, across):
 
 
 @njit(cache=True)
-def _name(edge, edge_a, edge_b, shares, n_vertices, which, k):
-    """Features of a point at ``shares`` (2,) of two edges: a vertex where it is an end of one."""
-    which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
+def _name_end(edge, edge_a, edge_b, shares, which, k):
+    """Make the feature of slot k the vertex at the end of the edge that ends at ``shares`` (2,)."""
     if shares[0] == 0.0 or shares[0] == 1.0:
         which[k, FEATURE_A] = edge[edge_a, 1 if shares[0] == 1.0 else 0]
     elif shares[1] == 0.0 or shares[1] == 1.0:
@@ -179,13 +178,13 @@ def edge_on_edge(scene, work, pair, edges, faces, across, which, value):
         edge_a, edge_b, n = along_a, along_b, 2
     a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
     for k in range(begin, begin + n):
-        shares = work[1] if n == 1 else work[2 + k - begin]
-        if n == 2:
-            toward(scene.vertex, a0, a1, b0, b1, shares, work[0])
+        shares = work[1]
         which[k, KIND], which[k, EDGE_A], which[k, EDGE_B] = VERTEX_B, face_a, face_b
         which[k, FEATURE_A], which[k, FEATURE_B] = n_vertices + edge_a, n_vertices + edge_b
         if n == 2:
-            _name(edge, edge_a, edge_b, shares, n_vertices, which, k)
+            shares = work[2 + k - begin]
+            toward(scene.vertex, a0, a1, b0, b1, shares, work[0])
+            _name_end(edge, edge_a, edge_b, shares, which, k)
         value[k, SIZE] = LEAST_FACE * min(extent[face_a, 0], extent[face_b, 0]) / n
         value[k, BALL_3] = scene.radius[q]
         _write_point(scene, pair, (edge_a, edge_b), face_a, k, work[0], shares, value)

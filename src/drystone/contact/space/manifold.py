@@ -24,8 +24,8 @@ Then edges that cross and separate the parts more by EDGES_MARGIN, or touch wher
 open by as much, make one point, on a normal that a carries along; of rounded parts, likewise the
 nearest points of all edges.  Its area is LEAST_FACE of the smaller of the two faces.  Rounded edges
 that are nearly parallel (EDGE_FLAT) meet along a line instead.  They make a point at each end of
-it, with half of that area and a normal of its own.  The nearest points alone would lie at one end,
-and a block that turns by little would meet the other at the other end, in turn.  Points that
+it, with half of that area and a normal of its own.  The nearest point alone would lie at one end; a
+block would turn to it, and be found to touch at the other end in the next step.  Points that
 are as near are no proof where parts overlap by more than EDGES_MARGIN: an edge that lies on the rim
 of a face overlaps it by little, and by much as seen along the face beside.  Edges that separate the
 parts more by EDGES_MARGIN touch there, too.
