@@ -7,6 +7,7 @@ each of them is two, one on either side.
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import drystone as ds
 from drystone.contact.contacts import NONE, VERTEX_A, VERTEX_B, VERTICES
@@ -132,21 +133,18 @@ def test_edges_that_are_nearly_parallel_meet_at_both_ends(turn, twist):
     apart = np.array([0.6, 0.0, 0.8]) * 1.9 * RADIUS
     own = np.array([RADIUS - 0.2, 0.0, RADIUS - 0.1])  # middle of the core's edge
     edge = np.array([0.2 - RADIUS, 0.0, 0.1 - RADIUS])
-    vector = 0.5 * np.array([0.6 * twist - 0.8 * turn, 0.0, 0.8 * twist + 0.6 * turn])
-    w, u = np.sqrt(1.0 - vector @ vector), vector
-    rotation = (
-        np.eye(3) * (w * w - u @ u)
-        + 2.0 * np.outer(u, u)
-        + 2.0 * w * np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    rotation = Rotation.from_rotvec(
+        twist * np.array([0.6, 0.0, 0.8]) + turn * np.array([-0.8, 0.0, 0.6])
     )
     pose = model.assembly.design_pose()
-    pose[1] = (*(below + edge + apart - rotation @ own - above), w, *u)
+    pose[1, :3] = below + edge + apart - rotation.apply(own) - above
+    pose[1, 3:] = rotation.as_quat(scalar_first=True)
     slots, used = contacts(model.assembly, pose)
     half = np.array([0.0, 0.5 - RADIUS, 0.0])
-    ends = [apart + rotation @ (side * half) - side * half for side in (-1.0, 1.0)]
-    # Seen along an edge, the end of the other one lies by (1 - cos) of its length within it.
+    ends = [apart + rotation.apply(side * half) - side * half for side in (-1.0, 1.0)]
+    # The turned edge ends first, seen along the other one, which is straight there.
     gaps = [np.hypot(end[0], end[2]) - 2.0 * RADIUS for end in ends]
     assert len(used) == 2
     at = used[np.argsort(slots.arm_a[used][:, 1])]
-    np.testing.assert_allclose(slots.gap[at], gaps, atol=1e-7)
+    np.testing.assert_allclose(slots.gap[at], gaps, atol=1e-12)
     np.testing.assert_allclose(slots.size[at], slots.size[at[0]])

@@ -22,7 +22,7 @@ from drystone.contact.contacts import (
     VERTEX_B,
 )
 from drystone.contact.space.points import evaluate
-from drystone.contact.space.separation import best_edges, nearest_edges, toward
+from drystone.contact.space.separation import best_edges, distance, nearest_edges, toward
 
 
 @njit(cache=True)
@@ -143,11 +143,9 @@ def _line(scene, work, pair, across):
             if length <= longest:
                 continue
             a0, a1, b0, b1 = edge[i, 0], edge[i, 1], edge[j, 0], edge[j, 1]
-            least = min(
-                toward(vertex, a0, a1, b0, b1, work[2], work[4]),
-                toward(vertex, a0, a1, b0, b1, work[3], work[4]),
-            )
-            if least <= across + slack:
+            at_first = distance(vertex, a0, a1, b0, b1, work[2])
+            at_second = distance(vertex, a0, a1, b0, b1, work[3])
+            if min(at_first, at_second) <= across + slack:
                 longest, edge_a, edge_b = length, i, j
     if edge_a >= 0:
         _ends(scene, edge_a, edge_b, work[2], work[3])

@@ -106,6 +106,16 @@ def _dot(a, b):
 
 
 @njit(cache=True)
+def distance(vertex, a0, a1, b0, b1, shares):
+    """How far points of two segments are apart [m], which lie at ``shares`` (2,) of them."""
+    apart = 0.0
+    for c in range(3):
+        u, v = vertex[a1, c] - vertex[a0, c], vertex[b1, c] - vertex[b0, c]
+        apart += (vertex[a0, c] - vertex[b0, c] + shares[0] * u - shares[1] * v) ** 2
+    return np.sqrt(apart)
+
+
+@njit(cache=True)
 def nearest_on_lines(vertex, a0, a1, b0, b1, out):
     """Shares along two segments of their nearest points, into ``out`` (2,); their distance [m].
 
@@ -130,11 +140,7 @@ def nearest_on_lines(vertex, a0, a1, b0, b1, out):
     s = min(max((ab * t - ad) / aa, 0.0), 1.0)
     t = min(max((ab * s + bd) / bb, 0.0), 1.0)
     out[0], out[1] = s, t
-    apart = 0.0
-    for c in range(3):
-        u, v = vertex[a1, c] - vertex[a0, c], vertex[b1, c] - vertex[b0, c]
-        apart += (vertex[a0, c] - vertex[b0, c] + s * u - t * v) ** 2
-    return np.sqrt(apart)
+    return distance(vertex, a0, a1, b0, b1, out)
 
 
 @njit(cache=True)
@@ -179,8 +185,9 @@ def best_edges(first, edge, vertex, normal, p, q, work):
                     axis[c] = found[c]
     if edge_p >= 0:
         a0, a1, b0, b1 = edge[edge_p, 0], edge[edge_p, 1], edge[edge_q, 0], edge[edge_q, 1]
-        distance = nearest_on_lines(vertex, a0, a1, b0, b1, shares)
-        if distance > abs(best) + ON_NORMAL * np.sqrt(_dot(u, u)):
+        if nearest_on_lines(vertex, a0, a1, b0, b1, shares) > abs(best) + ON_NORMAL * np.sqrt(
+            _dot(u, u)
+        ):
             return edge_p, edge_q, -np.inf
     return edge_p, edge_q, best
 
@@ -188,17 +195,12 @@ def best_edges(first, edge, vertex, normal, p, q, work):
 @njit(cache=True)
 def toward(vertex, a0, a1, b0, b1, shares, axis):
     """Unit vector from a point of one segment to one of another, which lie at ``shares`` (2,) of
-    them, into ``axis`` (3,); their distance [m]."""
-    square = 0.0
+    them and are apart, into ``axis`` (3,)."""
+    size = distance(vertex, a0, a1, b0, b1, shares)
     for c in range(3):
         of_a = vertex[a0, c] + shares[0] * (vertex[a1, c] - vertex[a0, c])
         of_b = vertex[b0, c] + shares[1] * (vertex[b1, c] - vertex[b0, c])
-        axis[c] = of_b - of_a
-        square += axis[c] ** 2
-    size = np.sqrt(square)
-    for c in range(3):
-        axis[c] /= size if size > 0.0 else 1.0
-    return size
+        axis[c] = (of_b - of_a) / size
 
 
 @njit(cache=True)
