@@ -238,15 +238,23 @@ def rigid_along(model: ds.Model) -> ds.Model:
     )
 
 
-def traced(model: ds.Model, limit: int) -> ds.CapacityCurve:
-    """By `equilibrium`, with what another engine's is compared by; within ``limit`` seconds."""
-    with robustness.at_most(limit):
-        return ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
-
-
 def above_bound(model: ds.Model, curve: ds.CapacityCurve) -> str:
     """What is told where the capacity lies above the associative multiplier; else nothing."""
     return limits_beside(model).warning(curve, model) or ""
+
+
+def traced(name: str, model: ds.Model, limit: int) -> tuple[ds.CapacityCurve, str] | None:
+    """The curve by `equilibrium`, within ``limit`` seconds, and what is told of its capacity.
+
+    None where there is none, with a line that says why; `robustness` lists these.
+    """
+    try:
+        with robustness.at_most(limit):
+            curve = ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
+            return curve, above_bound(model, curve)
+    except (Exception, robustness.TooLongError) as error:
+        print(f"{name}: {type(error).__name__}", flush=True)
+        return None
 
 
 def summary(runs: Sequence[Compared]) -> str:
@@ -291,26 +299,20 @@ def main() -> None:
             model = KINDS[kind](seed).with_analysis(engine="equilibrium")
             if model.assembly.n_blocks > given.blocks:
                 continue
-            try:
-                ours = traced(model, given.limit)
-                told = above_bound(model, ours)
-            except (Exception, robustness.TooLongError) as error:  # `robustness` lists it
-                print(f"{kind} {seed}: {type(error).__name__}", flush=True)
+            ours = traced(f"{kind} {seed}", model, given.limit)
+            if ours is None:
                 continue
-            if told:
-                above.append(f"{kind} {seed}: {told}")
+            if ours[1]:
+                above.append(f"{kind} {seed}: {ours[1]}")
                 print(above[-1], flush=True)
             for engine in engines:
-                same, curve = model, ours
+                same, beside = model, ours
                 if engine in WITHOUT_SHEAR:
                     same = rigid_along(model)
-                    try:
-                        curve = traced(same, given.limit)
-                    except (Exception, robustness.TooLongError) as error:
-                        print(f"{kind} {seed} rigid along: {type(error).__name__}", flush=True)
-                        continue
-                runs.append(compared(kind, seed, same, curve, engine, given.limit))
-                print(runs[-1], flush=True)
+                    beside = traced(f"{kind} {seed}, rigid along", same, given.limit)
+                if beside is not None:
+                    runs.append(compared(kind, seed, same, beside[0], engine, given.limit))
+                    print(runs[-1], flush=True)
     print(summary(runs))
     print("\nDiffer, or could not be compared:")
     print("\n".join(str(run) for run in runs if run.note or not run.agrees) or "none")
