@@ -33,9 +33,11 @@ import robustness  # first: it holds the libraries' threads to one
 import argparse
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import harness
 import numpy as np
@@ -46,6 +48,8 @@ from drystone.results.curve import STATIC
 from handover import KEPT, KeptStates, rest_near
 from random_kinds import KINDS
 from static_branches import apart, static_branch
+
+T = TypeVar("T")
 
 #: What is compared of the rise, over the displacement of the peak, and of the way from the peak to
 #: the last point at rest.
@@ -227,15 +231,12 @@ def _near(branch: np.ndarray, place: float) -> np.ndarray:
 
 def rigid_along(model: ds.Model) -> ds.Model:
     """The same with joints that hardly shear."""
-    assembly = model.assembly
+    return model.with_joint(shear_stiffness=RIGID * model.assembly.joint.normal_stiffness)
 
-    def rigid(law: ds.JointLaw) -> ds.JointLaw:
-        return replace(law, shear_stiffness=RIGID * law.normal_stiffness)
 
-    between = {pair: rigid(law) for pair, law in assembly.joint_between.items()}
-    return replace(
-        model, assembly=replace(assembly, joint=rigid(assembly.joint), joint_between=between)
-    )
+def traced(model: ds.Model) -> ds.CapacityCurve:
+    """By `equilibrium`, with all that another engine's curve is compared by."""
+    return ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
 
 
 def above_bound(model: ds.Model, curve: ds.CapacityCurve) -> str:
@@ -243,15 +244,14 @@ def above_bound(model: ds.Model, curve: ds.CapacityCurve) -> str:
     return limits_beside(model).warning(curve, model) or ""
 
 
-def traced(name: str, model: ds.Model, limit: int) -> tuple[ds.CapacityCurve, str] | None:
-    """The curve by `equilibrium`, within ``limit`` seconds, and what is told of its capacity.
+def within(limit: int, name: str, work: Callable[[], T]) -> T | None:
+    """What work gives within ``limit`` seconds.
 
-    None where there is none, with a line that says why; `robustness` lists these.
+    None where it gives nothing, with a line that says why; `robustness` lists these.
     """
     try:
         with robustness.at_most(limit):
-            curve = ds.pushover(model, progress=False, keep_poses=True, keep_contacts=True)
-            return curve, above_bound(model, curve)
+            return work()
     except (Exception, robustness.TooLongError) as error:
         print(f"{name}: {type(error).__name__}", flush=True)
         return None
@@ -299,19 +299,21 @@ def main() -> None:
             model = KINDS[kind](seed).with_analysis(engine="equilibrium")
             if model.assembly.n_blocks > given.blocks:
                 continue
-            ours = traced(f"{kind} {seed}", model, given.limit)
+            name = f"{kind} {seed}"
+            ours = within(given.limit, name, partial(traced, model))
             if ours is None:
                 continue
-            if ours[1]:
-                above.append(f"{kind} {seed}: {ours[1]}")
+            told = within(given.limit, f"{name}, bound", partial(above_bound, model, ours))
+            if told:
+                above.append(f"{name}: {told}")
                 print(above[-1], flush=True)
             for engine in engines:
                 same, beside = model, ours
                 if engine in WITHOUT_SHEAR:
                     same = rigid_along(model)
-                    beside = traced(f"{kind} {seed}, rigid along", same, given.limit)
+                    beside = within(given.limit, f"{name}, rigid along", partial(traced, same))
                 if beside is not None:
-                    runs.append(compared(kind, seed, same, beside[0], engine, given.limit))
+                    runs.append(compared(kind, seed, same, beside, engine, given.limit))
                     print(runs[-1], flush=True)
     print(summary(runs))
     print("\nDiffer, or could not be compared:")

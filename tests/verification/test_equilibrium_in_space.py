@@ -221,7 +221,9 @@ def test_a_point_at_a_rim_stays_from_step_to_step():
 
 
 @pytest.mark.xfail(
-    strict=True, reason="6,158: rounded edges along a line have two points, 4,588 with one"
+    strict=True,
+    raises=AssertionError,
+    reason="6,158: rounded edges along a line have two points, 4,588 with one",
 )
 def test_a_point_at_a_rim_costs_no_more_than_6000_iterations():
     """The same stairs: most iterations are spent where a step slides at a constant multiplier."""

@@ -185,9 +185,8 @@ def best_edges(first, edge, vertex, normal, p, q, work):
                     axis[c] = found[c]
     if edge_p >= 0:
         a0, a1, b0, b1 = edge[edge_p, 0], edge[edge_p, 1], edge[edge_q, 0], edge[edge_q, 1]
-        if nearest_on_lines(vertex, a0, a1, b0, b1, shares) > abs(best) + ON_NORMAL * np.sqrt(
-            _dot(u, u)
-        ):
+        apart = nearest_on_lines(vertex, a0, a1, b0, b1, shares)
+        if apart > abs(best) + ON_NORMAL * np.sqrt(_dot(u, u)):
             return edge_p, edge_q, -np.inf
     return edge_p, edge_q, best
 
