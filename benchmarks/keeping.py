@@ -24,8 +24,8 @@ import harness  # first: it holds the libraries' threads to one
 
 import drystone as ds
 from drystone.io.results.checkpoint import CHECKPOINT
-from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.names import RESULTS
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.model.model import Model
 from drystone.results.checkpoint import Checkpoint
 from drystone.results.curve import CapacityCurve

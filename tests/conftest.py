@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 from drystone.cli import compiler
-from drystone.io.results import hdf5
+from drystone.io.results import results_writer
 from drystone.limit.beside import Beside
 from drystone.report.folder import directory, resume
 
@@ -49,6 +49,6 @@ def bare(monkeypatch):
 @pytest.fixture
 def often(monkeypatch):
     """A checkpoint before every step, and every point on the disk at once."""
-    for module in (directory, hdf5):
+    for module in (directory, results_writer):
         monkeypatch.setattr(module, "SECONDS", 0.0)
         monkeypatch.setattr(module, "TIMES", 0.0)

@@ -140,10 +140,10 @@ def _run(
     path: str, engine: str, options: dict[str, Any], folder: Path, *, on: bool, says: Connection
 ) -> int:
     from drystone.cli import directions
-    from drystone.io.results import hdf5
+    from drystone.io.results import results_writer
     from drystone.report.folder import directory
 
-    for module in (directory, hdf5):
+    for module in (directory, results_writer):
         module.SECONDS = module.TIMES = 0.0
     if not options.pop("pictures", 0):
         directory.write_long = lambda done, aside: None

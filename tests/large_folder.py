@@ -15,8 +15,8 @@ import numpy as np
 
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points, rotated
-from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.names import RESULTS
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.model.model import Model
 from drystone.results.curve import CapacityCurve, CurvePoint
 from solids import box, joint, model_of

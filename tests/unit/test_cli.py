@@ -217,7 +217,7 @@ def test_a_second_run_into_one_folder_exits_with_2(here, analysis, reads):
 def test_a_full_disk_exits_with_3_and_keeps_the_curve(here, analysis, reads, monkeypatch):
     """The recorder fails after some points: all files have those of them that are on the disk, and
     the summary says why."""
-    from drystone.io.results.hdf5 import ResultsWriter
+    from drystone.io.results.results_writer import ResultsWriter
 
     append = ResultsWriter.append
 

@@ -20,10 +20,11 @@ import synthetic
 
 from drystone.cli.run import remarks
 from drystone.contact.forces import ContactForces
-from drystone.io.results import hdf5
+from drystone.io.results import results_writer
 from drystone.io.results.csv import LEADING, write_curve, write_ties
 from drystone.io.results.folder import OutputError
-from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
+from drystone.io.results.results_reader import ResultsReader
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.io.results.summary import plain, summarise, to_json
 from drystone.limit.beside import Beside
 from drystone.report.folder.directory import ResultsDirectory
@@ -155,7 +156,7 @@ def test_contacts_may_come_and_go(tmp_path, model):
 
 
 def test_large_assemblies_are_compressed(tmp_path, monkeypatch, model, curve):
-    monkeypatch.setattr(hdf5, "MANY_BODIES", 1)
+    monkeypatch.setattr(results_writer, "MANY_BODIES", 1)
     synthetic.record(ResultsDirectory(tmp_path / "out"), model, curve)
     with h5py.File(tmp_path / "out/results.h5") as file:
         assert file["poses"].compression == "gzip"
@@ -164,7 +165,7 @@ def test_large_assemblies_are_compressed(tmp_path, monkeypatch, model, curve):
 
 
 def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
-    monkeypatch.setattr(hdf5, "BYTES", 1)
+    monkeypatch.setattr(results_writer, "BYTES", 1)
     writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
     pose = model.assembly.design_pose()
     writer.append(synthetic.point(0, 0.0, 0.0), pose, synthetic.contacts_at(model, pose))
@@ -176,8 +177,8 @@ def test_much_data_does_not_wait_for_the_clock(tmp_path, monkeypatch, model):
 def test_killed_process_leaves_its_points(tmp_path):
     """Killed without any chance to tidy up: what was flushed is there."""
     code = (
-        "import sys, time, synthetic; from drystone.io.results import hdf5\n"
-        "hdf5.SECONDS = hdf5.TIMES = 0.0\n"
+        "import sys, time, synthetic; from drystone.io.results import results_writer\n"
+        "results_writer.SECONDS = results_writer.TIMES = 0.0\n"
         "from drystone.report.folder.directory import ResultsDirectory\n"
         "m = synthetic.wall_model(); d = ResultsDirectory(sys.argv[1]); d.begin(m, 'nscd', 'd')\n"
         "for p in synthetic.points():\n"
@@ -378,11 +379,11 @@ def test_full_disk_is_a_sentence(tmp_path, model, curve, monkeypatch):
 FULL_DISK = """
 import resource, sys, synthetic
 from dataclasses import replace
-from drystone.io.results import hdf5
+from drystone.io.results import results_writer
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.io.results.folder import OutputError
 
-hdf5.SECONDS = hdf5.TIMES = 0.0  # every point goes to the disk at once
+results_writer.SECONDS = results_writer.TIMES = 0.0  # every point goes to the disk at once
 folder, limit = sys.argv[1], int(sys.argv[2])
 if limit:
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
@@ -475,26 +476,26 @@ def heard():
 @pytest.mark.usefixtures("heard")
 def test_interrupted_write_is_finished_first(tmp_path, model, curve, monkeypatch):
     """The signal comes in the middle of a write, and is heard after it."""
-    monkeypatch.setattr(hdf5, "SECONDS", 0.0)
-    monkeypatch.setattr(hdf5, "TIMES", 0.0)
-    commit = hdf5.DiskFile.commit
+    monkeypatch.setattr(results_writer, "SECONDS", 0.0)
+    monkeypatch.setattr(results_writer, "TIMES", 0.0)
+    commit = results_writer.DiskFile.commit
 
     def interrupted(self):
         signal.raise_signal(signal.SIGINT)
         commit(self)
 
-    monkeypatch.setattr(hdf5.DiskFile, "commit", interrupted)
+    monkeypatch.setattr(results_writer.DiskFile, "commit", interrupted)
     pose = model.assembly.design_pose()
     writer = None
     with pytest.raises(KeyboardInterrupt):
         writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
     assert writer is None and not (tmp_path / "r.h5").exists()
-    monkeypatch.setattr(hdf5.DiskFile, "commit", commit)
+    monkeypatch.setattr(results_writer.DiskFile, "commit", commit)
     writer = ResultsWriter(tmp_path / "r.h5", model, "nscd", "displacement")
-    monkeypatch.setattr(hdf5.DiskFile, "commit", interrupted)
+    monkeypatch.setattr(results_writer.DiskFile, "commit", interrupted)
     with pytest.raises(KeyboardInterrupt):
         writer.append(curve.points[0], pose, synthetic.contacts_at(model, pose))
-    monkeypatch.setattr(hdf5.DiskFile, "commit", commit)
+    monkeypatch.setattr(results_writer.DiskFile, "commit", commit)
     writer.close(curve)
     with ResultsReader(tmp_path / "r.h5") as results:
         assert results.points() == curve.points[:1]

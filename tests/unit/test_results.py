@@ -14,7 +14,8 @@ from builders import stack
 from drystone.contact.forces import ContactForces
 from drystone.io.convert import convert
 from drystone.io.modelfile.write import to_toml
-from drystone.io.results.hdf5 import ResultsReader, ResultsWriter
+from drystone.io.results.results_reader import ResultsReader
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.limit import limits_beside
 from drystone.model.construction.describe import model_to_dict
 from drystone.results.curve import COLUMNS, BlockLeft

@@ -24,8 +24,8 @@ from drystone.geometry.motion import rotation_vectors
 from drystone.geometry.space import solid
 from drystone.io.results import vtu
 from drystone.io.results.csv import write_curve
-from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.paraview import BlockFrames
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.model.assembly import Assembly, Block
 from drystone.model.model import Model
 from drystone.report.folder.results import load_results, save_results

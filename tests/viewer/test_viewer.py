@@ -12,7 +12,7 @@ import pytest
 
 import drystone as ds
 from drystone.geometry.motion import moved_points
-from drystone.io.results.hdf5 import ResultsReader
+from drystone.io.results.results_reader import ResultsReader
 from drystone.report.folder.results import load_results
 from drystone.report.viewer import contents_of_folder, contents_of_model, page
 from drystone.report.viewer.codec import Pack, round_to_integers

@@ -11,7 +11,7 @@ from drystone.common.keys import Key
 from drystone.common.registry import Registry
 
 if TYPE_CHECKING:
-    from drystone.io.results.hdf5 import ResultsReader
+    from drystone.io.results.results_reader import ResultsReader
     from drystone.limit.beside import Beside
     from drystone.model.model import Model
     from drystone.results.curve import CapacityCurve

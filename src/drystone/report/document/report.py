@@ -15,8 +15,8 @@ from drystone.assessment.verdict import sense_words
 from drystone.common.language import number, speaking, spoken, words
 from drystone.common.version import package_version
 from drystone.io.results.folder import whole_file
-from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
+from drystone.io.results.results_reader import ResultsReader
 from drystone.model.assembly import GRAVITY
 from drystone.report import Mechanism
 from drystone.report.document import carried, facts, figures, supports

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def made_ready() -> None:
     """In the process: import what draws, which takes long, before there is anything to draw."""
     with importing():
-        import drystone.io.results.hdf5
+        import drystone.io.results.results_reader
         import drystone.report.curve_figure
         import drystone.report.mechanism_figure  # noqa: F401
         from drystone.io.results.outputs import OUTPUTS
@@ -33,8 +33,8 @@ def drawn(done: Finished, language: str) -> bool:
     """
     from drystone.common.language import speaking
     from drystone.common.registry import RegistryError
-    from drystone.io.results.hdf5 import ResultsReader
     from drystone.io.results.names import RESULTS
+    from drystone.io.results.results_reader import ResultsReader
 
     with speaking(language), ResultsReader(done.folder / RESULTS) as results:
         done = replace(done, results=results)

@@ -20,11 +20,11 @@ from drystone.io.results.folder import (
     check_writable,
     in_a_sentence,
 )
-from drystone.io.results.hdf5 import ResultsWriter
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.names import PARAVIEW, RESULTS
 from drystone.io.results.outputs import file_names
 from drystone.io.results.own_files import check_free, clear, clear_derived
+from drystone.io.results.results_writer import ResultsWriter
 from drystone.limit.beside import Beside
 from drystone.model.model import Model
 from drystone.model.ties import TieState

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drystone.common.aside import answer
-from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
 from drystone.io.results.outputs import Finished, Output, written_of
+from drystone.io.results.results_reader import ResultsReader
 from drystone.io.results.summary import plain, summarise
 from drystone.report.folder.aside import drawing
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from drystone.io.results.checkpoint import CHECKPOINT, CheckpointError, read_checkpoint
 from drystone.io.results.folder import OutputError
-from drystone.io.results.hdf5 import RUNNING, ResultsReader
+from drystone.io.results.hdf5 import RUNNING
 from drystone.io.results.names import RESULTS, SUMMARY
+from drystone.io.results.results_reader import ResultsReader
 from drystone.model.model import Model
 from drystone.report.folder.stored import StoredContacts, model_of
 from drystone.results.checkpoint import Past

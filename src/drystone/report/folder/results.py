@@ -13,8 +13,9 @@ from drystone.common.arrays import Array, IntArray
 from drystone.common.names import Named
 from drystone.contact.forces import ContactForces
 from drystone.io.results.folder import OutputError
-from drystone.io.results.hdf5 import RUNNING, ResultsReader
+from drystone.io.results.hdf5 import RUNNING
 from drystone.io.results.names import RESULTS, SUMMARY
+from drystone.io.results.results_reader import ResultsReader
 from drystone.io.results.summary import summarise
 from drystone.model.model import Model
 from drystone.report.folder.directory import ResultsDirectory

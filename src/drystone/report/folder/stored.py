@@ -8,8 +8,8 @@ from typing import overload
 
 from drystone.contact.forces import ContactForces
 from drystone.io.modelfile.read import model_from_text
-from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
+from drystone.io.results.results_reader import ResultsReader
 from drystone.model.construction.errors import ModelError
 from drystone.model.model import Model
 

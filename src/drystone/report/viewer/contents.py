@@ -33,8 +33,8 @@ from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.motion import rotation_vectors
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
-from drystone.io.results.hdf5 import ResultsReader
 from drystone.io.results.names import RESULTS
+from drystone.io.results.results_reader import ResultsReader
 from drystone.io.results.summary import plain
 from drystone.model.model import Model
 from drystone.report.folder.results import Results
