@@ -20,10 +20,10 @@ from scipy.sparse.linalg import splu
 
 import drystone as ds
 from drystone.common.arrays import Array, BoolArray
+from drystone.linear import numeric as lu_numeric
 from drystone.model.assembly import Assembly
 from drystone.results.curve import DYNAMIC, CapacityCurve
 from drystone.statics.equilibrium import EquilibriumEngine
-from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane.plane_step import PlaneStep
 
 #: Normal stiffnesses whose peaks are set against limit analysis [Pa/m].

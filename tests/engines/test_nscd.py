@@ -10,7 +10,7 @@ import pytest
 from drystone.analysis.driver import pushover
 from drystone.dynamics.nscd import NscdEngine
 from drystone.engines.base import Demand, Problem
-from drystone.statics.linear.block_system import BlockSystem
+from drystone.linear.block_system import BlockSystem
 from structures import structure
 
 

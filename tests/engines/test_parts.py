@@ -11,10 +11,10 @@ from builders import contacts_of, stack
 from drystone.analysis.driver import pushover
 from drystone.contact.contacts import PART_A, PART_B
 from drystone.contact.histories import predecessor_slots
+from drystone.linear import numeric as lu_numeric
+from drystone.linear import symbolic as lu_symbolic
 from drystone.model.assembly import Assembly, Shapes
 from drystone.model.model import Model
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear import symbolic as lu_symbolic
 
 
 def halved(assembly: Assembly) -> Assembly:

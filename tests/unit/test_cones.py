@@ -22,7 +22,7 @@ from drystone.dynamics import nlgs
 from drystone.dynamics.sweeps import ContactProblem
 from drystone.law import cones
 from drystone.law.cones import CAP, ETA, P1, P2, PN, V0, V1, V2, Z1, Z2, ZETA, V, W
-from drystone.statics.linear.block_system import BlockSystem
+from drystone.linear.block_system import BlockSystem
 
 pytestmark = pytest.mark.kernels
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.linear.symbolic import BORDER, CHILD, ENTRY, FIRST, N_RUNS, PANEL, SIBLING
+from drystone.linear import numeric as lu_numeric
+from drystone.linear import symbolic as lu_symbolic
+from drystone.linear.symbolic import BORDER, CHILD, ENTRY, FIRST, N_RUNS, PANEL, SIBLING
 
 pytestmark = pytest.mark.kernels
 

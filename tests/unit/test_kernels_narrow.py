@@ -53,10 +53,10 @@ from drystone.law.columns import (
     TAN_PSI,
     TENSION,
 )
+from drystone.linear.symbolic import Tangent
 from drystone.model.assembly import Assembly, Block, Corner
 from drystone.model.builders import published_wall
 from drystone.model.joint_law import JointLaw
-from drystone.statics.linear.symbolic import Tangent
 from drystone.statics.plane import contacts as step_contacts
 from interpreted import fewer
 

@@ -30,6 +30,7 @@ MOST = {
     "engines": 0,
     "geometry": 0,
     "law": 0,
+    "linear": 0,
     "statics": 0,
 }
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from drystone.common.threads import Team
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear import shared_lu
-from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.linear.shared_lu import SharedLU
-from drystone.statics.linear.symbolic import Tangent
+from drystone.linear import numeric as lu_numeric
+from drystone.linear import shared_lu
+from drystone.linear import symbolic as lu_symbolic
+from drystone.linear.shared_lu import SharedLU
+from drystone.linear.symbolic import Tangent
 
 pytestmark = pytest.mark.kernels
 

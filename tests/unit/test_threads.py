@@ -9,8 +9,8 @@ import drystone as ds
 from buildings import box_building
 from drystone.common import threads
 from drystone.common.threads import Team
+from drystone.linear import shared_lu
 from drystone.statics import static_step
-from drystone.statics.linear import shared_lu
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])

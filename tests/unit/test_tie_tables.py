@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.engines.tie_forces import JoinedTies, TieForces
+from drystone.linear.symbolic import Tangent
 from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly, Block
 from drystone.model.joint_law import JointLaw
 from drystone.model.ties import Bars, Tie, TieEnd
-from drystone.statics.linear.symbolic import Tangent
-from drystone.statics.tie_forces import JoinedTies, TieForces
 
 pytestmark = pytest.mark.kernels
 

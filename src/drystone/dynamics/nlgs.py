@@ -32,11 +32,11 @@ from drystone.dynamics import sweeps as kernels
 from drystone.dynamics.plane import sweeps as plane
 from drystone.dynamics.space import sweeps as space
 from drystone.dynamics.sweeps import ContactProblem
+from drystone.engines.tie_forces import TieImpulses
 from drystone.law.branches import BACKWARD, FORWARD
 from drystone.law.residual import unbalanced_force
 from drystone.law.violation import joint_law_violation
-from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
-from drystone.statics.tie_forces import TieImpulses
+from drystone.linear.block_system import BlockSystem, SingularMatrixError
 
 
 @dataclass(frozen=True, kw_only=True)

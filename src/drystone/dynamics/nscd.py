@@ -44,13 +44,13 @@ from drystone.engines.base import (
 from drystone.engines.departure import departing
 from drystone.engines.measures import LoadArrays, StepOutcome, report, unstable_sentence
 from drystone.engines.prepared import Prepared
+from drystone.engines.tie_forces import JoinedTies, TieForces, TieImpulses
 from drystone.geometry.motion import places, spun_by_impulses, spun_on
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.residual import add_contact_forces
 from drystone.law.status import status_of
+from drystone.linear.block_system import BlockSystem
 from drystone.model.ties import TieState
-from drystone.statics.linear.block_system import BlockSystem
-from drystone.statics.tie_forces import JoinedTies, TieForces, TieImpulses
 
 
 @dataclass(frozen=True, kw_only=True)

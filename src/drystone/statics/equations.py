@@ -15,11 +15,11 @@ from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
+from drystone.engines.tie_forces import TieForces
 from drystone.geometry import motion
 from drystone.law.bonds import built_open
 from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
-from drystone.statics.tie_forces import TieForces
 
 #: Why no equilibrium can be told from others near it.
 TOO_STIFF = (

@@ -18,6 +18,7 @@ from drystone.common import tolerances
 from drystone.common.arrays import Array
 from drystone.engines.base import TOO_FAR, Fold
 from drystone.law.branches import BONDED
+from drystone.linear import numeric as lu_numeric
 from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
@@ -27,7 +28,6 @@ from drystone.statics.interior import (
     InteriorPoint,
     InteriorSettings,
 )
-from drystone.statics.linear import numeric as lu_numeric
 from drystone.statics.plane import piecewise
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.plane.plane_step import PlaneStep

@@ -39,6 +39,7 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.engines.base import Fold
+from drystone.engines.tie_forces import JoinedTies
 from drystone.geometry import motion
 from drystone.law import softening
 from drystone.law.certificate import JudgedContacts
@@ -54,13 +55,12 @@ from drystone.law.columns import (
 )
 from drystone.law.cones import N_INNER, N_SCALING
 from drystone.law.packing import pack_laws
+from drystone.linear import numeric as lu_numeric
+from drystone.linear import symbolic as lu_symbolic
+from drystone.linear.shared_lu import SharedLU
+from drystone.linear.symbolic import Tangent
 from drystone.statics import balance
 from drystone.statics.equations import Loaded, PointDisplacement
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.linear.shared_lu import SharedLU
-from drystone.statics.linear.symbolic import Tangent
-from drystone.statics.tie_forces import JoinedTies
 
 Number = TypeVar("Number", np.float64, np.int64)
 

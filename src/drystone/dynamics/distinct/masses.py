@@ -21,8 +21,8 @@ from drystone.common.tolerances import FREE_TIME_STEP, LEAST_STIFFNESS, TINY, WA
 from drystone.contact.contacts import Pairs, Slots
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.state import DistinctPrepared, DistinctSettings
+from drystone.engines.tie_forces import TieForces
 from drystone.law.columns import BROKEN, COHESION, COHESIVE, DILATION, PULLS, TENSION
-from drystone.statics.tie_forces import TieForces
 
 
 def search_reach(settings: DistinctSettings, prepared: DistinctPrepared) -> float:

@@ -13,7 +13,7 @@ from drystone.dynamics.distinct.state import DistinctSettings, DistinctState
 from drystone.dynamics.explicit import Drive, FrozenContacts, Loads, Motion
 from drystone.engines.base import StepReport
 from drystone.engines.measures import LoadArrays
-from drystone.statics.tie_forces import TieForces
+from drystone.engines.tie_forces import TieForces
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,9 +27,9 @@ from drystone.common.tolerances import (
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities
 from drystone.dynamics.sweeps import ContactProblem, momentum_defect
+from drystone.engines.tie_forces import TieImpulses
 from drystone.law import cones as kernels
-from drystone.statics.linear.block_system import BlockSystem, SingularMatrixError
-from drystone.statics.tie_forces import TieImpulses
+from drystone.linear.block_system import BlockSystem, SingularMatrixError
 
 #: Most iterations, and after how many the barrier is low, or there is nothing to be found.
 ITERATIONS, PATIENCE = 40, 30

@@ -38,9 +38,9 @@ from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_join
 from drystone.law.limits import limited_normal
 from drystone.law.pieces import all_dry, change, distance, distance_of_dry
 from drystone.law.plane import commit, respond
+from drystone.linear.numeric import Factors, factorise, solve
+from drystone.linear.symbolic import Structure, Tangent
 from drystone.statics.balance import dot, solve_bordered, stiffen, unbalance
-from drystone.statics.linear.numeric import Factors, factorise, solve
-from drystone.statics.linear.symbolic import Structure, Tangent
 from drystone.statics.plane.contacts import (
     add,
     add_geometric_stiffness,

@@ -14,8 +14,8 @@ from drystone.contact.plane import narrow
 from drystone.contact.plane.detection import PlaneNarrowPhase
 from drystone.law import plane as plane_law
 from drystone.law.branches import OPEN
+from drystone.linear.symbolic import Tangent
 from drystone.statics.equations import Loaded
-from drystone.statics.linear.symbolic import Tangent
 from drystone.statics.plane import contacts, path
 from drystone.statics.static_step import StaticStep
 

@@ -13,8 +13,8 @@ import numpy as np
 from drystone.common.arrays import Array, IntArray
 from drystone.common.threads import Team
 from drystone.common.tolerances import WORTH_SHARING
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear.symbolic import (
+from drystone.linear import numeric as lu_numeric
+from drystone.linear.symbolic import (
     BORDER,
     CHILD,
     FIRST,
@@ -60,7 +60,7 @@ class SharedLU:
         self.top = [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
 
     def factorise(self, matrix: Tangent, mass: Array, damping: Array, least: float) -> float:
-        """See `statics.linear.numeric.factorise`."""
+        """See `linear.numeric.factorise`."""
         if not self.parts:
             pivot: float = lu_numeric.factorise(
                 self.structure, *matrix, self.factors, mass, damping, least

@@ -1,6 +1,6 @@
 """LU of matrices made of one dense block per body and two per pair of bodies.
 
-`statics.linear.order` orders the bodies, `statics.linear.symbolic` finds the pattern of the
+`linear.order` orders the bodies, `linear.symbolic` finds the pattern of the
 factors.  Rows are exchanged only inside a body's own block, so that all but the numbers is found
 once per list of pairs.
 
@@ -25,7 +25,7 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.common.tolerances import MOST_RAISED
-from drystone.statics.linear.symbolic import (
+from drystone.linear.symbolic import (
     BORDER,
     CHILD,
     ENTRY,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
-from drystone.statics.linear import numeric as lu_numeric
-from drystone.statics.linear import symbolic as lu_symbolic
-from drystone.statics.linear.symbolic import Tangent
+from drystone.linear import numeric as lu_numeric
+from drystone.linear import symbolic as lu_symbolic
+from drystone.linear.symbolic import Tangent
 
 
 class SingularMatrixError(ArithmeticError):

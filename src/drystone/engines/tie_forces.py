@@ -18,11 +18,11 @@ import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.law.certificate import Certificate
+from drystone.linear.symbolic import Tangent
 from drystone.model import tie_kernels as kernel
 from drystone.model.assembly import Assembly
 from drystone.model.loading.dead_forces import principal_axes
 from drystone.model.ties import BROKEN, Bars, TieState
-from drystone.statics.linear.symbolic import Tangent
 
 
 class TieForces:

@@ -1,7 +1,7 @@
 """Pattern of the factors of a matrix made of blocks, found once per list of pairs of bodies.
 
 The multifrontal method eliminates bodies in fronts: groups of them in one dense matrix with the
-later ones they are joined to (Duff and Reid 1983).  `statics.linear.numeric` says what with.
+later ones they are joined to (Duff and Reid 1983).  `linear.numeric` says what with.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.compiled import njit
 from drystone.common.tolerances import CALL_TIME, MULTIPLICATION_TIME
-from drystone.statics.linear.order import dissect, neighbours
+from drystone.linear.order import dissect, neighbours
 
 #: Columns of `Structure.fronts`.  Of the first four a front ends where the next one begins.
 FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
