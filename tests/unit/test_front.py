@@ -68,6 +68,16 @@ def test_import_brings_nothing_heavy_along():
     assert found.stdout.strip() == "[]"
 
 
+def test_results_are_read_without_what_reads_model_files():
+    """So the process that draws beside a run is ready sooner."""
+    code = (
+        "import sys, drystone.io.results.results_reader; "
+        "print([m for m in ('drystone.io.modelfile', 'pydantic') if m in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+
+
 def test_models_from_the_front():
     """A wall and an arch from what `ds` gives alone."""
     joint = ds.JointLaw(friction_coefficient=0.6, normal_stiffness=1e9, shear_stiffness=1e9)

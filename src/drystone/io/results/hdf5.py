@@ -69,8 +69,3 @@ TIE_FIELDS = (
 CONTACT_FIELDS = tuple(f.name for f in fields(ContactForces))
 #: What files of plane models do not hold: it follows from the rest.
 OF_SPACE = ("tangent",)
-
-
-def text_of(text: str) -> str:
-    """A text that HDF5 takes: without the NUL, at which its own would end."""
-    return text.replace("\0", "")

@@ -36,7 +36,6 @@ from drystone.io.results.hdf5 import (
     STORED_AS,
     TIE_FIELDS,
     UNITS,
-    text_of,
 )
 from drystone.io.results.interrupts import uninterrupted
 from drystone.io.results.results_reader import ResultsReader
@@ -169,7 +168,7 @@ class ResultsWriter:
         try:
             if self.whole and curve is not None:
                 attributes = self._file.attrs
-                attributes["status"], attributes["reason"] = curve.status, text_of(curve.reason)
+                attributes["status"], attributes["reason"] = curve.status, _text_of(curve.reason)
                 for name in ("stop_multiplier", "settlement", "wall_time", "compile_time"):
                     attributes[name] = getattr(curve, name)
                 self._put_left(curve.blocks_left)
@@ -182,7 +181,7 @@ class ResultsWriter:
         group = self._file.create_group("blocks_left")
         for name, kind in LEFT_TYPES.items():
             values = [getattr(block, name) for block in left]
-            values = [text_of(v) if isinstance(v, str) else v for v in values]
+            values = [_text_of(v) if isinstance(v, str) else v for v in values]
             group.create_dataset(name, data=np.array(values, dtype=kind))
 
     def _close_file(self) -> None:
@@ -217,7 +216,7 @@ class ResultsWriter:
 
     def extend(self, model: Model) -> None:
         """Say what is analysed from here on: the same model with another end."""
-        self._file.attrs["model"] = text_of(to_toml(model_to_dict(model)))
+        self._file.attrs["model"] = _text_of(to_toml(model_to_dict(model)))
         self._file.attrs["stop_multiplier"] = model.analysis.stop_multiplier
 
     def _describe(self, model: Model, engine: str, strategy: str, *, part_of: str) -> None:
@@ -231,10 +230,10 @@ class ResultsWriter:
         files = texts_of(model, data)
         group = self._file.create_group("files")
         for key, texts in (("name", files.keys()), ("text", files.values())):
-            group[key] = np.array([text_of(text) for text in texts], dtype=h5py.string_dtype())
+            group[key] = np.array([_text_of(text) for text in texts], dtype=h5py.string_dtype())
         self._file.attrs.update(
             {
-                "title": text_of(model.title),
+                "title": _text_of(model.title),
                 "engine": engine,
                 "strategy": strategy,
                 "status": RUNNING,
@@ -242,8 +241,8 @@ class ResultsWriter:
                 "stop_multiplier": model.analysis.stop_multiplier,
                 "dimension": model.assembly.dimension,
                 "thickness": model.assembly.thickness,
-                "model": text_of(text),
-                "model_source": text_of(model.source or ""),
+                "model": _text_of(text),
+                "model_source": _text_of(model.source or ""),
                 "model_sha256": model.sha256,
                 "part_of": part_of,
                 "run": self.run,
@@ -255,7 +254,9 @@ class ResultsWriter:
     def _lay_out(self, model: Model) -> None:
         assembly = model.assembly
         blocks = self._file.create_group("blocks")
-        blocks["id"] = np.array([text_of(name) for name in assembly.ids], dtype=h5py.string_dtype())
+        blocks["id"] = np.array(
+            [_text_of(name) for name in assembly.ids], dtype=h5py.string_dtype()
+        )
         for name, values in (
             *_shapes(assembly),
             ("centroid", assembly.centroid),
@@ -268,7 +269,7 @@ class ResultsWriter:
 
         groups = self._file.create_group("groups")
         groups["name"] = np.array(
-            [text_of(name) for name in assembly.groups], dtype=h5py.string_dtype()
+            [_text_of(name) for name in assembly.groups], dtype=h5py.string_dtype()
         )
         members = list(assembly.groups.values())
         groups["offset"] = np.cumsum([0, *map(len, members)])
@@ -284,7 +285,7 @@ class ResultsWriter:
 
         if model.ties:
             ties, names = self._file.create_group("ties"), names_of(model.ties)
-            ties["name"] = np.array([text_of(n) for n in names], dtype=h5py.string_dtype())
+            ties["name"] = np.array([_text_of(n) for n in names], dtype=h5py.string_dtype())
             for name, _, stored in TIE_FIELDS:
                 self._growing(ties, name, (len(names),), np.dtype(stored), rows=64)
 
@@ -345,6 +346,11 @@ def _text_of_file(model: Model) -> str | None:
     if hashlib.sha256(contents).hexdigest() != model.sha256:
         return None
     return contents.decode("utf-8", errors="replace")
+
+
+def _text_of(text: str) -> str:
+    """A text that HDF5 takes: without the NUL, at which its own would end."""
+    return text.replace("\0", "")
 
 
 def _put(dataset: h5py.Dataset, start: int, values: NDArray[Any]) -> None:
