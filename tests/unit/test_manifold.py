@@ -580,6 +580,25 @@ class TestRounded:
         assert np.sort(place[on_side, 1])[[0, -1]] == pytest.approx((-0.5, 1.0), abs=1e-9)
         assert slots.gap[k][on_side] == pytest.approx(0.0, abs=1e-9)
 
+    @pytest.mark.parametrize("turn", [0.0, 1e-5, -1e-5])
+    def test_a_corner_past_a_rim_rests_beside_it_whatever_its_turn(self, turn):
+        """The upper face ends past a side of the lower one, by less than corners are told apart.
+
+        Seen from the vertex the rim is nearest a little beside the upper face or above it, as the
+        box is turned, and there both faces touch.  A normal from the rim to the vertex would be
+        tilted, and the gap open by `past` squared over twice the radii.
+        """
+        radii, past = 0.1, 4e-4
+        vertices, faces = box((0.0, -past, radii), (0.8, 0.9, radii + 1.0))
+        upper = vertices @ rotation((0.0, 0.0, turn)).T + (-0.4, -1.0, 0.0)
+        scene = Scene([box((-1, -1, -1), (1, 1, 0)), (upper, faces)], radius=radii / 2)
+        slots = scene.find()
+        k = used(slots)
+        assert len(k) == 4
+        within = past * abs(turn)
+        assert slots.gap[k] == pytest.approx(0.0, abs=within**2 / radii + ROUNDING)
+        assert slots.normal[k][:, 2] == pytest.approx(1.0, abs=(within / radii) ** 2 + ROUNDING)
+
     def test_corner_by_corner(self):
         """Balls at two vertices: distance less radii, along the line from one to the other."""
         radius = 0.1

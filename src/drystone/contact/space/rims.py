@@ -8,10 +8,11 @@ there is
 
 1. that of the face which the vertex of the other part lies above;
 2. else that of the other face, if the nearest point of the rim lies above it;
-3. else the direction from one rim to the other.
+3. else the direction from that point to the nearest one of the other rim.
 
 So it turns steadily from that of the one face to that of the other.  In the third case bodies touch
-midway between both surfaces, in the others at the one that has the vertex, as in the plane.
+midway between both surfaces, in the others at the one that has the vertex, as in the plane.  The
+nearest point of the other rim need not be the vertex: beside a corner it lies on the next side.
 
 An incident face that goes down beyond a side of the reference face tilts about that side.  The
 points there, where sides cross and in between, are points of that side on the incident face.  Else
@@ -179,14 +180,17 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
         i, j, share = _rim(ring, corner, vertex, normal, face, at, past)
         if i < 0:
             continue
-        size = 0.0
         for c in range(3):
             rim[c] = vertex[i, c] + share * (vertex[j, c] - vertex[i, c])
-            apart[c] = at[c] - rim[c]
-            size += apart[c] * apart[c]
+        first, second, part = _rim(ring, corner, vertex, normal, beyond, rim, past)
+        size = 0.0
+        if first >= 0:
+            for c in range(3):
+                side = vertex[second, c] - vertex[first, c]
+                apart[c] = vertex[first, c] + part * side - rim[c]
+                size += apart[c] * apart[c]
         size = np.sqrt(size)
-        above, _, _ = _rim(ring, corner, vertex, normal, beyond, rim, past)
-        if above < 0:
+        if first < 0:
             which[k, KIND] = VERTEX_A if on_b else VERTEX_B
             value[k, BALL_3] = radius_a if on_b else radius_b
             for c in range(3):
@@ -196,6 +200,8 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
             value[k, BALL_3] *= size / radii
             carrier, along, length = scene.of_part[p if on_b else q], 0.0, 0.0
             for c in range(3):
+                side = local[second, c] - local[first, c]
+                value[k, POINT_3 + c] = local[first, c] + part * side
                 value[k, PLACE_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
                 back = apart[c]
                 for m in range(3):
