@@ -210,25 +210,17 @@ def test_joints_that_are_more_than_dry_are_those_of_the_plane(name):
 
 
 def test_a_point_at_a_rim_stays_from_step_to_step():
-    """A stone of these stairs comes to rest on the rim of another.  Its point of contact was there
-    in every second step only, and the fall took 260 points and 17,200 iterations.
+    """A stone of these stairs comes to rest on the rim of another, and slides along it.
+
+    Its point of contact was there in every second step only, or each step found other points than
+    it had followed: that took three times the iterations.
     """
     model = KINDS["stairs"](6)
     curve = pushover(model, engine="equilibrium", keep_contacts=True)
     assert curve.status == "finished" and curve.residual.max() < 1e-8
+    assert curve.column("n_iterations").sum() < 3_000
     change = np.diff([len(contacts.normal_reaction) for contacts in curve.contacts])
     assert not (change[1:] * change[:-1] < 0).any()  # to and fro, in two steps that follow
-
-
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="6,158: rounded edges along a line have two points, 4,588 with one",
-)
-def test_a_point_at_a_rim_costs_no_more_than_6000_iterations():
-    """The same stairs: most iterations are spent where a step slides at a constant multiplier."""
-    curve = pushover(KINDS["stairs"](6), engine="equilibrium")
-    assert curve.column("n_iterations").sum() < 6_000
 
 
 def on_its_diagonal(angle, engine, slab):
