@@ -504,10 +504,6 @@ DEVIATION_STEP = 0.06
 #: random structures: ten peaks by 3e-6 at most, that of a vault by 3.1e-4; points by 12 %.
 LOOKED_AT_SHARE = 0.25
 
-#: Factor by which steps are shortened after many iterations.  Range, from 0.5 to 0.85: by
-#: `equilibrium` the same, as no step takes so many; by `distinct` not measured.
-MANY_SHORTER = 0.7
-
 #: First time step of a jump [s].  Range: peaks by 4e-5; plane: steps by 2.2 %; space: by 11 % where
 #: halved, by -5 % where doubled.
 JUMP_TIME_STEP = 0.1

@@ -90,7 +90,6 @@ class DisplacementSettings(EndSettings):
     # which the step is tried again.
     farther: float = tolerances.FARTHER
     grow_iterations: int = 12  # of a step up to which increments grow
-    shrink_iterations: int = 12  # of a step beyond which they shrink
     grown_after: int = 3  # steps after which increments grow again, of which one failed
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
     # Inertia of a step that is static again, over the applied force and, of the fastest block, over
@@ -566,10 +565,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
             return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0)
-        if report.n_iterations <= s.grow_iterations:
-            scale = self._growth(state, report)
-        else:
-            scale = 1.0 if report.n_iterations <= s.shrink_iterations else tolerances.MANY_SHORTER
+        scale = self._growth(state, report) if report.n_iterations <= s.grow_iterations else 1.0
         n_since = state.n_since + 1
         if n_since < s.grown_after:
             scale = min(scale, 1.0)  # what has just failed would fail again

@@ -153,7 +153,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         self.last: StaticStep | None = None
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
-        """A step is to turn a mechanism by about 1 in 500, whatever its height."""
+        """A step is to turn a mechanism by about 1 in 500, whatever its height.
+
+        It grows where its iterations were no more than a step has where a shorter one may be tried
+        instead: with more, a longer one would fail.
+        """
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
         step = min(
@@ -161,8 +165,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             tolerances.MOST_STEP * size,
         )
         bend = tolerances.BEND_SHARE_IN_SPACE if assembly.dimension == 3 else None
+        grow_iterations = self.settings.solution.interior.few_iterations
         return PreferredSteps(
-            displacement_step=step, grow_iterations=60, shrink_iterations=400, bend_share=bend
+            displacement_step=step, grow_iterations=grow_iterations, bend_share=bend
         )
 
     def derived(self, problem: Problem) -> tuple[Prepared]:

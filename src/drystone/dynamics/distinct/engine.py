@@ -82,9 +82,7 @@ class DistinctEngine(Engine[DistinctState]):
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """Iterations are the cycles of a step."""
         return PreferredSteps(
-            displacement_step=DISTINCT_STEP * assembly.smallest_extent,
-            grow_iterations=20_000,
-            shrink_iterations=100_000,
+            displacement_step=DISTINCT_STEP * assembly.smallest_extent, grow_iterations=20_000
         )
 
     def derived(self, problem: Problem) -> tuple[DistinctPrepared]:
