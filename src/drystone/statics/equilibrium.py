@@ -116,9 +116,17 @@ class EquilibriumState:
     softened: bool = False  # whether joints soften, and the slope is with that
     # Of space:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
+    curvature: Array | None = None  # (n, n_dof) likewise, of the tangent in the last step
     unstable: int = 0  # unstable equilibria in a row, this one included
     unchanged: bool = False  # whether no contact changed its state in the last step
     acted: ActedContacts | None = None
+
+
+def _curvature(before: Array | None, after: Array | None, increment: float | None) -> Array | None:
+    """Change of the tangent in a step, (n, n_dof) per m2 of the control displacement."""
+    if before is None or after is None or not increment:
+        return None
+    return (after - before) / increment
 
 
 def _to_leave(state: EquilibriumState) -> int:
@@ -416,6 +424,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         guesses, increment = [guess], demand.increment
         if state.tangent is not None and increment is not None:
             guesses.append(increment * state.tangent)
+            if state.curvature is not None:
+                guesses.append(guesses[-1] + 0.5 * increment**2 * state.curvature)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -511,6 +521,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             due=np.concatenate((np.flatnonzero(np.isin(heirs.source, state.due)), of_ties)),
             last_increment=np.where(departed[:, None], 0.0, state.last_increment),
             tangent=None if departed.any() else state.tangent,
+            curvature=None if departed.any() else state.curvature,
             departed=departed,
             kept=None,
         )
@@ -631,6 +642,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             slope=solved.slope,
             softened=solved.softened,
             tangent=solved.tangent,
+            curvature=_curvature(state.tangent, solved.tangent, demand.increment),
             kept=own.kept.copy() if isinstance(own, PlaneStep) else None,
             unstable=state.unstable + 1 if solved.unstable else 0,
             unchanged=bool(np.array_equal(then.branch, state.branch)),
