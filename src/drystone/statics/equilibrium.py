@@ -421,11 +421,12 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         h: float,
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
-        guesses, increment = [guess], demand.increment
+        guesses, increment, along = [guess], demand.increment, guess
         if state.tangent is not None and increment is not None:
-            guesses.append(increment * state.tangent)
+            along = increment * state.tangent
+            guesses.append(along)
             if state.curvature is not None:
-                guesses.append(guesses[-1] + 0.5 * increment**2 * state.curvature)
+                guesses.append(along + 0.5 * increment**2 * state.curvature)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -456,8 +457,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return last
 
         def expect(current: Array, fresh: Array) -> None:
-            begin(state.branch, guesses[-1], current, fresh)
-            own.restart(guesses[-1], start)
+            begin(state.branch, along, current, fresh)
+            own.restart(along, start)
 
         if not state.prepared.strengths.any:
             return once(None, None, state.branch, None)
