@@ -165,6 +165,29 @@ class TestTwist:
         assert torque / uniform == pytest.approx(factor, rel=0.01)
 
 
+class TestPredictor:
+    """A block that rocks on its edge, in steps of one length, on the branch behind its peak."""
+
+    @staticmethod
+    def missed(step: float, n_steps: int) -> tuple[float, float]:
+        """By how much [m] the tangent, and the second-order predictor, miss the last of some
+        steps."""
+        engine = EquilibriumEngine()
+        state, _ = engine.start(problem_of(one_block()))
+        for increment in (1e-6, 1e-5, 1e-4, 1e-3, *[step] * n_steps):
+            before = state
+            state, report = engine.step(state, Demand(increment=increment))
+            assert report.converged, report.reason
+        tangent = step * before.tangent
+        second = tangent + 0.5 * step**2 * before.curvature
+        return tuple(np.abs(state.last_increment - x)[1, :3].max() for x in (tangent, second))
+
+    def test_misses_by_the_square_and_by_the_cube_of_the_step(self):
+        """At the same place, with steps of half the length."""
+        long, short = np.array(self.missed(0.01, 8)), np.array(self.missed(0.005, 16))
+        assert np.log2(long / short) == pytest.approx((2.0, 3.0), abs=0.2)
+
+
 class TestLeaf:
     """44 blocks, 2 m x 1.4 m, 0.2 m thick, pushed out of plane: it rocks on its foot as one."""
 
