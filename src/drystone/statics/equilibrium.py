@@ -129,6 +129,17 @@ def _curvature(before: Array | None, after: Array | None, increment: float | Non
     return (after - before) / increment
 
 
+def _guesses(state: EquilibriumState, increment: float | None, guess: Array) -> list[Array]:
+    """Increments (n, n_dof) near which a step may end: a ``guess``; along the tangent, if it is
+    known; and by its curvature, if that is."""
+    if state.tangent is None or increment is None:
+        return [guess]
+    along = increment * state.tangent
+    if state.curvature is None:
+        return [guess, along]
+    return [guess, along, along + 0.5 * increment**2 * state.curvature]
+
+
 def _to_leave(state: EquilibriumState) -> int:
     """Unstable equilibria in a row that the structure would leave.
 
@@ -421,12 +432,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         h: float,
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
-        guesses, increment, along = [guess], demand.increment, guess
-        if state.tangent is not None and increment is not None:
-            along = increment * state.tangent
-            guesses.append(along)
-            if state.curvature is not None:
-                guesses.append(along + 0.5 * increment**2 * state.curvature)
+        increment, guesses = demand.increment, _guesses(state, demand.increment, guess)
+        along = guesses[:2][-1]
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:

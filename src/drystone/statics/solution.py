@@ -262,7 +262,8 @@ def _orthonormal(x: Array, mass: Array) -> Array:
 class StepStart:
     """Where a step begins, and what is known of the one before."""
 
-    #: Increments (n, n_dof) near which the step may end; the second along the tangent, if any.
+    #: Increments (n, n_dof) near which the step may end; the second along the tangent, if any, the
+    #: third by its curvature.
     guesses: Sequence[Array]
     multiplier: float  # without a prescribed displacement, the one that is asked for
     reaction: Array  # of all contacts, (n_slots, dim) [N]
