@@ -75,6 +75,12 @@ def _rim(ring, corner, vertex, normal, face, at, past):
 
 
 @njit(cache=True)
+def _between(points, first, second, share, c):
+    """Coordinate c of the point at a share of the way from one of some points to another."""
+    return points[first, c] + share * (points[second, c] - points[first, c])
+
+
+@njit(cache=True)
 def _tilts_about(scene, edge, face, beyond, at):
     """Whether an incident face, ``beyond``, goes down past the side ``edge`` of a face, and lies
     above that at ``at`` (3,) [m]."""
@@ -112,8 +118,8 @@ def _to_side(scene, edge, k, value, at):
         square += d * d
     share = min(max(along / square, 0.0), 1.0)
     for c in range(3):
-        at[c] = vertex[first, c] + share * (vertex[second, c] - vertex[first, c])
-        value[k, POINT_3 + c] = local[first, c] + share * (local[second, c] - local[first, c])
+        at[c] = _between(vertex, first, second, share, c)
+        value[k, POINT_3 + c] = _between(local, first, second, share, c)
 
 
 @njit(cache=True)
@@ -181,28 +187,26 @@ def meet_rims(scene, work, p, q, begin, stop, which, value):
         if i < 0:
             continue
         for c in range(3):
-            rim[c] = vertex[i, c] + share * (vertex[j, c] - vertex[i, c])
+            rim[c] = _between(vertex, i, j, share, c)
         first, second, part = _rim(ring, corner, vertex, normal, beyond, rim, past)
         size = 0.0
         if first >= 0:
             for c in range(3):
-                side = vertex[second, c] - vertex[first, c]
-                apart[c] = vertex[first, c] + part * side - rim[c]
+                apart[c] = _between(vertex, first, second, part, c) - rim[c]
                 size += apart[c] * apart[c]
         size = np.sqrt(size)
         if first < 0:
             which[k, KIND] = VERTEX_A if on_b else VERTEX_B
             value[k, BALL_3] = radius_a if on_b else radius_b
             for c in range(3):
-                value[k, POINT_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
+                value[k, POINT_3 + c] = _between(local, i, j, share, c)
             _lie_on(scene, beyond, k, value)
         elif size > DEEP * radii:
             value[k, BALL_3] *= size / radii
             carrier, along, length = scene.of_part[p if on_b else q], 0.0, 0.0
             for c in range(3):
-                side = local[second, c] - local[first, c]
-                value[k, POINT_3 + c] = local[first, c] + part * side
-                value[k, PLACE_3 + c] = local[i, c] + share * (local[j, c] - local[i, c])
+                value[k, POINT_3 + c] = _between(local, first, second, part, c)
+                value[k, PLACE_3 + c] = _between(local, i, j, share, c)
                 back = apart[c]
                 for m in range(3):
                     back += rotation[carrier, m, c] * apart[m]
