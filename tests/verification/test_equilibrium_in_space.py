@@ -26,6 +26,7 @@ from drystone.model.assembly import Corner
 from drystone.model.builders import extruded
 from drystone.model.model import Model
 from drystone.results.curve import DYNAMIC, FINISHED, STATIC, CapacityCurve
+from drystone.statics import solution
 from drystone.statics.equilibrium import EquilibriumEngine
 from random_kinds import KINDS
 from solids import box, joint, leaf, model_of, one_block, twisting_lever
@@ -275,3 +276,20 @@ def test_what_rocks_on_corners_falls_to_a_side(slab):
     end = pytest.approx(beside.ultimate_displacement, rel=0.05 if slab else 0.01)
     assert along.ultimate_displacement == end
     assert np.mean(along.column("unstable")) < 0.15  # 75 of 85 points where it stayed on one
+
+
+def test_a_step_that_leaves_no_unstable_equilibrium_ends_in_it(monkeypatch):
+    """Wherever the search for a stable one beside it has ended, and with which contacts."""
+
+    def lost(solver, settings):
+        solver.step.update_contacts()
+        solver.step.restart(solver.step.x + 0.01, 2.0)
+
+    curves = []
+    for leave in (lambda solver, settings: None, lost):
+        monkeypatch.setattr(solution, "_leave", leave)
+        curves.append(certified(on_its_diagonal(45.0, "equilibrium", slab=False)))
+    unstable = [curve.column("unstable") for curve in curves]
+    assert np.count_nonzero(unstable[0]) > 10
+    assert np.array_equal(*unstable)
+    assert np.array_equal(*(curve.load_multiplier for curve in curves))

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -198,13 +199,20 @@ def grows(step: StaticStep, s: StabilitySettings) -> bool:
     return found is None or bool((found < -s.neutral).any())
 
 
-def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array | None]:
-    """Whether the equilibrium last evaluated is stable, the slope [1/m] of the curve there, and the
-    tangent (n, n_dof) per m of the prescribed displacement."""
+class _Judged(NamedTuple):
+    """An equilibrium that has been found."""
+
+    stable: bool
+    slope: float = math.nan  # 1/m, of the curve
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement
+
+
+def _judge(step: StaticStep, s: StabilitySettings) -> _Judged:
+    """Judge the equilibrium last evaluated."""
     step.respond()
     slope = step.slope()
     if slope is None:
-        return False, math.nan, None
+        return _Judged(stable=False)
     tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
     found = quotients(step, s)
     if found is None:
@@ -212,7 +220,7 @@ def _judge(step: StaticStep, s: StabilitySettings) -> tuple[bool, float, Array |
     # One more grows if the determinant says that there is another, which is none of the lowest.
     odd = np.count_nonzero(found < 0.0) % 2 == 1
     stable = not (found < -s.neutral).any() and step.stable != odd
-    return stable, math.nan if tangent is None else slope, tangent
+    return _Judged(stable, math.nan if tangent is None else slope, tangent)
 
 
 def _tries_to_leave(unstable: int) -> bool:
@@ -225,9 +233,9 @@ def _tries_to_leave(unstable: int) -> bool:
     return unstable > 0 and unstable & (unstable - 1) == 0
 
 
-def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
-    """Whether a stable equilibrium is found beside the unstable one that the step is at, to either
-    side of it by its growing mode.  The step is left there, else where it was.
+def _leave(solver: _Solver, settings: SolutionSettings) -> _Judged | None:
+    """A stable equilibrium beside the unstable one that the step is at, to either side of it by its
+    growing mode; None where there is none, and the step is then left anywhere.
 
     A structure with two ways to go, as a portal of which either pier may tilt, or a square column
     on its diagonal, has an equilibrium between them, which no structure stays in.
@@ -237,16 +245,12 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> bool:
     lengths = DEPARTURES * step.loaded.prepared.assembly.smallest_extent
     for length in [] if way is None else [sense * d for d in lengths for sense in (1.0, -1.0)]:
         step.again()
-        if (
-            solver.find(x + length * way, multiplier, warm=True, full_search=False, follows=True)
-            and solver.update_contacts(settings.contact_updates)
-            and _judge(step, settings.stability)[0]
-        ):
-            return True
-    step.again()
-    step.restart(x, multiplier)
-    solver.newton(WARM_PATIENCE)
-    return False
+        start = x + length * way
+        if solver.find(start, multiplier, warm=True, full_search=False, follows=True):
+            found = _updated(solver, settings, follows=True)
+            if found and found.stable:
+                return found
+    return None
 
 
 def _orthonormal(x: Array, mass: Array) -> Array:
@@ -361,17 +365,22 @@ def _by_interior(
         solver.iterations = 1  # a factorisation counts as one
     guess = _nearest(step, start.guesses, start.multiplier)
     tried = {"warm": start.unchanged, "full_search": followed.full_search, "follows": follows}
-    found = solver.find(guess, start.multiplier, **tried)
-    found = found and solver.update_contacts(settings.contact_updates)
+
+    def reach() -> _Judged | None:
+        there = solver.find(guess, start.multiplier, **tried)
+        return _updated(solver, settings, follows=follows) if there else None
+
+    found = reach()
+    unstable = found is not None and not found.stable
+    if unstable and (prescribed is None or _tries_to_leave(start.unstable)):
+        found = _leave(solver, settings)
+        if found is None:
+            step.again()
+            found = reach()
     moved, reason = farthest(step.x), ""
-    stable, end, tangent = True, math.nan, None
-    if found and follows:
-        stable, end, tangent = _judge(step, settings.stability)
-        if not stable and (prescribed is None or _tries_to_leave(start.unstable)):
-            stable = _leave(solver, settings)
-            moved = farthest(step.x)
-        if not stable and (fold is None or math.isfinite(fold.drop)):
-            fold = Fold(1.0, step.multiplier)
+    if found and not found.stable and (fold is None or math.isfinite(fold.drop)):
+        fold = Fold(1.0, step.multiplier)
+    stable, end, tangent = found or _Judged(stable=True)
     if not found:
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
@@ -381,8 +390,6 @@ def _by_interior(
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
     excess, bend = _shape(begun, ended, slope, end, sense * increment)
-    if start.unstable and found and follows and stable:
-        excess, bend = (0.0, 0.0), (0.0, 0.0)  # left an unstable point: nothing lies between
     # The second guess is along the tangent.
     off = follows and len(start.guesses) > 1
     solution = StepSolution(
@@ -398,7 +405,14 @@ def _by_interior(
         unstable=not stable,
         reason=reason,
     )
-    return solution, found
+    return solution, found is not None
+
+
+def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> _Judged | None:
+    """The equilibrium with the contacts that blocks have where they are; judged on a curve."""
+    if not solver.update_contacts(settings.contact_updates):
+        return None
+    return _judge(solver.step, settings.stability) if follows else _Judged(stable=True)
 
 
 def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | None:
