@@ -900,7 +900,7 @@ MOST_STEP = 0.1
 LIES = 0.7
 
 #: Force over the heaviest weight above which a contact that was not followed is added.
-#: Range, 1e-5 and 1e-3: no peak of 36 random solids by 1e-4, iterations by 1.4 %.  With 1e-2 a
+#: Range, 1e-5 and 1e-3: no peak of 36 random solids by 1e-4, iterations by 0.7 %.  With 1e-2 a
 #: block that slides over a flush joint carries up to 1.5 % more than its friction.
 PRESSED = 1e-4
 
