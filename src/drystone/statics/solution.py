@@ -1,8 +1,6 @@
-"""A static step as a whole: the methods that are tried, the stability of the end, the report.
+"""A static step as a whole: the methods that are tried, and the report.
 
-A step may also find an unstable equilibrium, and its report says so.  Such an equilibrium shows in
-the sign of the determinant of the bordered system if the number of unstable modes is odd, and else
-in the Rayleigh quotient of the lowest mode.
+A step may also find an unstable equilibrium, see `statics.stability`, and its report says so.
 """
 
 from __future__ import annotations
@@ -11,7 +9,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +16,6 @@ from drystone.common import tolerances
 from drystone.common.arrays import Array
 from drystone.engines.base import TOO_FAR, Fold
 from drystone.law.branches import BONDED
-from drystone.linear import numeric as lu_numeric
-from drystone.statics.balance import solve_bordered
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
     SLOW_ITERATIONS,
@@ -32,28 +27,12 @@ from drystone.statics.interior import (
 from drystone.statics.plane import piecewise
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.plane.plane_step import PlaneStep
+from drystone.statics.shape import shape_between
+from drystone.statics.stability import Judged, StabilitySettings, growing, judge
 from drystone.statics.static_step import StaticStep, StepSolution
-
-#: Shares of a step at which its shape is looked at.  With 9 or 39 peaks of bonded walls move by up
-#: to 8e-4: by where points lie, not by what is seen of a step.
-SHARES = np.linspace(tolerances.FIRST_SHARE_SEEN, tolerances.LAST_SHARE_SEEN, 19)
 
 #: How far from an unstable equilibrium a stable one is looked for, over the smallest extent.
 DEPARTURES = np.geomspace(tolerances.LEAST_DEPARTURE, tolerances.MOST_DEPARTURE, 7)
-
-
-@dataclass(frozen=True, kw_only=True)
-class StabilitySettings:
-    """Numbers of the search for the lowest modes."""
-
-    #: Modes looked for, as many as that where none but neutral ones are found, and inverse
-    #: iterations.
-    modes: int = 4
-    most_modes: int = 32
-    iterations: int = 4
-    #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
-    #: over the smallest block's size is 56 of them in the structure's own frame.
-    neutral: float = tolerances.NEUTRAL
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,110 +98,6 @@ class _Solver(InteriorPoint):
         return True
 
 
-def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
-    """Fields (k, n, n_dof) that the lowest modes are made of, at the equilibrium whose stiffness is
-    factorised, with the prescribed displacement fixed, and the matrix (k, k) [s2] of the inverse
-    in them; None where the stiffness is singular.
-
-    Bodies that spin on one point, or joints that slide as a whole, have as many neutral modes.
-    Where none but these are found, more are looked for: one that grows may hide behind them.
-    """
-    # No more vectors than there are motions: what is left of others is rounding.
-    motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
-    motions -= step.prescribed is not None
-    most = min(s.most_modes, motions)
-    n = min(s.modes, most)
-    while True:
-        found = _inverse_iterated(step, s, n)
-        if found is None or n == most:
-            return found
-        ritz = np.abs(np.linalg.eigvals(found[1]))
-        if not (ritz * s.neutral > 1.0).all():
-            return found
-        n = min(2 * n, most)
-
-
-def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
-    """So many fields, see `_lowest`."""
-    bordered, mass = step.bordered, step.loads.mass
-    rng = np.random.default_rng(1)
-    free = ~step.loads.fixed[:, None]
-    x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
-    y = x
-    for _ in range(s.iterations):
-        x = _orthonormal(y, mass)
-        y = mass * x
-        lu_numeric.solve(step.structure, step.factors, y)
-        if step.prescribed is not None:
-            for column in y:
-                solve_bordered(bordered, column, 0.0)
-        if not np.isfinite(y).all():
-            return None
-    return y, (x * mass).reshape(n, -1) @ y.reshape(n, -1).T
-
-
-def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
-    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None where that has
-    none.
-
-    Complex pairs move to and fro, and so back where joints slide, which they would not: they are
-    not of the stiffness that was linearised.
-    """
-    found = _lowest(step, s)
-    if found is None:
-        return None
-    ritz = np.linalg.eigvals(found[1])
-    with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / ritz.real[ritz.imag == 0.0])
-
-
-def _growing(step: StaticStep, s: StabilitySettings) -> Array | None:
-    """The real mode (n, n_dof) that grows fastest, with a farthest motion of one; None if none
-    grows."""
-    found = _lowest(step, s)
-    if found is None:
-        return None
-    ritz, shares = np.linalg.eig(found[1])
-    rows = np.flatnonzero((ritz.imag == 0.0) & (ritz.real < 0.0))
-    if not len(rows):
-        return None
-    # That of the most negative quotient, which is one over these.
-    fastest = rows[np.argmax(ritz.real[rows])]
-    mode: Array = np.tensordot(shares[:, fastest].real, found[0], axes=1)
-    return mode / step.detector.farthest(mode)
-
-
-def grows(step: StaticStep, s: StabilitySettings) -> bool:
-    """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
-    is factorised and has been solved with."""
-    found = quotients(step, s)
-    return found is None or bool((found < -s.neutral).any())
-
-
-class _Judged(NamedTuple):
-    """An equilibrium that has been found."""
-
-    stable: bool
-    slope: float = math.nan  # 1/m, of the curve
-    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement
-
-
-def _judge(step: StaticStep, s: StabilitySettings) -> _Judged:
-    """Judge the equilibrium last evaluated."""
-    step.respond()
-    slope = step.slope()
-    if slope is None:
-        return _Judged(stable=False)
-    tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
-    found = quotients(step, s)
-    if found is None:
-        found = np.zeros(0)
-    # One more grows if the determinant says that there is another, which is none of the lowest.
-    odd = np.count_nonzero(found < 0.0) % 2 == 1
-    stable = not (found < -s.neutral).any() and step.stable != odd
-    return _Judged(stable, math.nan if tangent is None else slope, tangent)
-
-
 def _tries_to_leave(unstable: int) -> bool:
     """Whether to look for a stable equilibrium after so many unstable ones in a row.
 
@@ -233,7 +108,7 @@ def _tries_to_leave(unstable: int) -> bool:
     return unstable > 0 and unstable & (unstable - 1) == 0
 
 
-def _leave(solver: _Solver, settings: SolutionSettings) -> _Judged | None:
+def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
     """A stable equilibrium beside the unstable one that the step is at, to either side of it by its
     growing mode; None where there is none, and the step is then left anywhere.
 
@@ -241,7 +116,7 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> _Judged | None:
     on its diagonal, has an equilibrium between them, which no structure stays in.
     """
     step = solver.step
-    way, x, multiplier = _growing(step, settings.stability), step.x.copy(), step.multiplier
+    way, x, multiplier = growing(step, settings.stability), step.x.copy(), step.multiplier
     lengths = DEPARTURES * step.loaded.prepared.assembly.smallest_extent
     for length in [] if way is None else [sense * d for d in lengths for sense in (1.0, -1.0)]:
         step.again()
@@ -251,15 +126,6 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> _Judged | None:
             if found and found.stable:
                 return found
     return None
-
-
-def _orthonormal(x: Array, mass: Array) -> Array:
-    """Fields (k, n, n_dof) made orthonormal by the mass (n, n_dof)."""
-    k = len(x)
-    root = np.sqrt(mass).ravel()
-    q, _ = np.linalg.qr((x.reshape(k, -1) * root).T)
-    back = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
-    return np.ascontiguousarray((q * back[:, None]).T).reshape(x.shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -366,7 +232,7 @@ def _by_interior(
     guess = _nearest(step, start.guesses, start.multiplier)
     tried = {"warm": start.unchanged, "full_search": followed.full_search, "follows": follows}
 
-    def reach() -> _Judged | None:
+    def reach() -> Judged | None:
         there = solver.find(guess, start.multiplier, **tried)
         return _updated(solver, settings, follows=follows) if there else None
 
@@ -380,7 +246,7 @@ def _by_interior(
     moved, reason = farthest(step.x), ""
     if found and not found.stable and (fold is None or math.isfinite(fold.drop)):
         fold = Fold(1.0, step.multiplier)
-    stable, end, tangent = found or _Judged(stable=True)
+    stable, end, tangent = found or Judged(stable=True)
     if not found:
         reason = f"no equilibrium within {solver.iterations} iterations"
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
@@ -389,7 +255,7 @@ def _by_interior(
         reason = TOO_FAR
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
-    excess, bend = _shape(begun, ended, slope, end, sense * increment)
+    excess, bend = shape_between(begun, ended, slope, end, sense * increment)
     # The second guess is along the tangent.
     off = follows and len(start.guesses) > 1
     solution = StepSolution(
@@ -408,11 +274,11 @@ def _by_interior(
     return solution, found is not None
 
 
-def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> _Judged | None:
+def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> Judged | None:
     """The equilibrium with the contacts that blocks have where they are; judged on a curve."""
     if not solver.update_contacts(settings.contact_updates):
         return None
-    return _judge(solver.step, settings.stability) if follows else _Judged(stable=True)
+    return judge(solver.step, settings.stability) if follows else Judged(stable=True)
 
 
 def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | None:
@@ -461,51 +327,3 @@ def _nearest(step: StaticStep, guesses: Sequence[Array], multiplier: float) -> A
         step.respond()
         left.append(step.balance(step.reaction))
     return guesses[int(np.argmin(left))]
-
-
-def _shape(
-    start: float, end: float, slope: float, slope_end: float, increment: float
-) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-    """Excess and bend of the curve within a step, see `StepSolution`, from its tangents at both
-    ends: where these meet, the curve has its corner.
-
-    One that rises by more than along either tangent has a steeper part between them, behind which
-    it may have a peak: then it bends as a cubic does.  One that falls by more than along either has
-    dropped between them, nobody knows where: it may have risen along the first tangent until then.
-    """
-    if not math.isfinite(slope + slope_end) or increment == 0.0:
-        return None, None
-    rise, at_end, change = slope * increment, slope_end * increment, end - start
-    at = (change - at_end) / (rise - at_end) if rise != at_end else math.inf
-    if change > max(rise, at_end, 0.0):
-        return (0.0, 0.0), bend_of_cubic(rise, change, at_end)
-    if change < min(rise, at_end):
-        return (max(rise, 0.0) - max(change, 0.0), 0.5), (0.0, 0.0)
-    if not 0.0 < at < 1.0:
-        return (0.0, 0.0), (0.0, 0.0)
-    corner = start + at * rise
-    # Of a smooth curve, the middle of a parabola is midway to where its tangents meet.
-    bend = 0.5 * abs(corner - start - at * change), at
-    return (corner - max(start, end), at), bend
-
-
-def bend_of_cubic(rise: float, change: float, at_end: float) -> tuple[float, float]:
-    """How far a cubic leaves its chord at most, and at what share of its length, that would rise by
-    ``rise`` along its first tangent and by ``at_end`` along its last, and does by ``change``."""
-    away = _off_chord(rise, change, at_end)
-    off = int(np.argmax(np.abs(away)))
-    return float(abs(away[off])), float(SHARES[off])
-
-
-def excess_of_cubic(rise: float, change: float, at_end: float) -> tuple[float, float]:
-    """By how much such a cubic exceeds both its ends, and at what share of its length."""
-    above = SHARES * change + _off_chord(rise, change, at_end) - max(change, 0.0)
-    top = int(np.argmax(above))
-    return max(float(above[top]), 0.0), float(SHARES[top])
-
-
-def _off_chord(rise: float, change: float, at_end: float) -> Array:
-    """Of a cubic, from its chord, at `SHARES` of its length."""
-    from_first, from_last = rise - change, at_end - change
-    away: Array = SHARES * (1.0 - SHARES) * (from_first * (1.0 - SHARES) - from_last * SHARES)
-    return away

@@ -28,7 +28,8 @@ from drystone.geometry.motion import rotations
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, Strengths, difference
-from drystone.statics.solution import StabilitySettings, bend_of_cubic, excess_of_cubic, grows
+from drystone.statics.shape import bend_of_cubic, excess_of_cubic
+from drystone.statics.stability import StabilitySettings, grows
 from drystone.statics.static_step import StaticStep, StepSolution
 
 #: Solutions of a step before it counts as failed: where joints may fail within it, and where a

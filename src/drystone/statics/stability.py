@@ -1,0 +1,146 @@
+"""Whether an equilibrium is stable, from the stiffness there.
+
+An unstable equilibrium shows in the sign of the determinant of the bordered system if the number of
+unstable modes is odd, and else in the Rayleigh quotient of the lowest mode.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from drystone.common import tolerances
+from drystone.common.arrays import Array
+from drystone.linear import numeric as lu_numeric
+from drystone.statics.balance import solve_bordered
+from drystone.statics.static_step import StaticStep
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilitySettings:
+    """Numbers of the search for the lowest modes."""
+
+    #: Modes looked for, as many as that where none but neutral ones are found, and inverse
+    #: iterations.
+    modes: int = 4
+    most_modes: int = 32
+    iterations: int = 4
+    #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
+    #: over the smallest block's size is 56 of them in the structure's own frame.
+    neutral: float = tolerances.NEUTRAL
+
+
+def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
+    """Fields (k, n, n_dof) that the lowest modes are made of, at the equilibrium whose stiffness is
+    factorised, with the prescribed displacement fixed, and the matrix (k, k) [s2] of the inverse
+    in them; None where the stiffness is singular.
+
+    Bodies that spin on one point, or joints that slide as a whole, have as many neutral modes.
+    Where none but these are found, more are looked for: one that grows may hide behind them.
+    """
+    # No more vectors than there are motions: what is left of others is rounding.
+    motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
+    motions -= step.prescribed is not None
+    most = min(s.most_modes, motions)
+    n = min(s.modes, most)
+    while True:
+        found = _inverse_iterated(step, s, n)
+        if found is None or n == most:
+            return found
+        ritz = np.abs(np.linalg.eigvals(found[1]))
+        if not (ritz * s.neutral > 1.0).all():
+            return found
+        n = min(2 * n, most)
+
+
+def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
+    """So many fields, see `_lowest`."""
+    bordered, mass = step.bordered, step.loads.mass
+    rng = np.random.default_rng(1)
+    free = ~step.loads.fixed[:, None]
+    x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
+    y = x
+    for _ in range(s.iterations):
+        x = _orthonormal(y, mass)
+        y = mass * x
+        lu_numeric.solve(step.structure, step.factors, y)
+        if step.prescribed is not None:
+            for column in y:
+                solve_bordered(bordered, column, 0.0)
+        if not np.isfinite(y).all():
+            return None
+    return y, (x * mass).reshape(n, -1) @ y.reshape(n, -1).T
+
+
+def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
+    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None where that has
+    none.
+
+    Complex pairs move to and fro, and so back where joints slide, which they would not: they are
+    not of the stiffness that was linearised.
+    """
+    found = _lowest(step, s)
+    if found is None:
+        return None
+    ritz = np.linalg.eigvals(found[1])
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / ritz.real[ritz.imag == 0.0])
+
+
+def growing(step: StaticStep, s: StabilitySettings) -> Array | None:
+    """The real mode (n, n_dof) that grows fastest, with a farthest motion of one; None if none
+    grows."""
+    found = _lowest(step, s)
+    if found is None:
+        return None
+    ritz, shares = np.linalg.eig(found[1])
+    rows = np.flatnonzero((ritz.imag == 0.0) & (ritz.real < 0.0))
+    if not len(rows):
+        return None
+    # That of the most negative quotient, which is one over these.
+    fastest = rows[np.argmax(ritz.real[rows])]
+    mode: Array = np.tensordot(shares[:, fastest].real, found[0], axes=1)
+    return mode / step.detector.farthest(mode)
+
+
+def grows(step: StaticStep, s: StabilitySettings) -> bool:
+    """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
+    is factorised and has been solved with."""
+    found = quotients(step, s)
+    return found is None or bool((found < -s.neutral).any())
+
+
+class Judged(NamedTuple):
+    """An equilibrium that has been found."""
+
+    stable: bool
+    slope: float = math.nan  # 1/m, of the curve
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement
+
+
+def judge(step: StaticStep, s: StabilitySettings) -> Judged:
+    """Judge the equilibrium last evaluated."""
+    step.respond()
+    slope = step.slope()
+    if slope is None:
+        return Judged(stable=False)
+    tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
+    found = quotients(step, s)
+    if found is None:
+        found = np.zeros(0)
+    # One more grows if the determinant says that there is another, which is none of the lowest.
+    odd = np.count_nonzero(found < 0.0) % 2 == 1
+    stable = not (found < -s.neutral).any() and step.stable != odd
+    return Judged(stable, math.nan if tangent is None else slope, tangent)
+
+
+def _orthonormal(x: Array, mass: Array) -> Array:
+    """Fields (k, n, n_dof) made orthonormal by the mass (n, n_dof)."""
+    k = len(x)
+    root = np.sqrt(mass).ravel()
+    q, _ = np.linalg.qr((x.reshape(k, -1) * root).T)
+    back = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
+    return np.ascontiguousarray((q * back[:, None]).T).reshape(x.shape)
