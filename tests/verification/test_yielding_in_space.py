@@ -11,6 +11,7 @@ import test_joint_laws as in_plane
 from test_joint_laws import CLOSURES, STEPS, STRENGTHS, OnTwoPads, integral, joint, mortar_wall
 
 from drystone.analysis import driver as analysis
+from drystone.common.tolerances import BALANCE
 from drystone.model.builders import extruded
 from solids import UNIT_WEIGHT, box, model_of, one_block
 
@@ -189,10 +190,12 @@ class TestToe:
         assert exact * (1.0 - 4e-3) <= peak <= exact + above
 
     def test_a_strong_one_is_dry(self):
+        """Each is balanced, by ways of their own, to a share of its weight, which the load has at
+        a multiplier of one."""
         strong = self.trace(joint(1.0, 1e11, compressive_strength=1e13), 4)
         dry = self.trace(joint(1.0, 1e11), 4)
-        for name in ("control_displacement", "load_multiplier"):
-            assert strong.column(name) == pytest.approx(dry.column(name), rel=1e-9, abs=1e-12)
+        for name, off in (("control_displacement", 1e-12), ("load_multiplier", 2.0 * BALANCE)):
+            assert strong.column(name) == pytest.approx(dry.column(name), rel=1e-9, abs=off)
 
     def test_pushed_askew_it_carries_less_than_a_dry_one(self):
         """On the corner both toes are crushed; with a softening joint it carries less again."""

@@ -977,9 +977,13 @@ TELLING_RESIDUAL = 1e-6
 NOTHING_MORE = 1e-24
 
 #: Unbalanced force below which Newton's method is tried between iterations; factor by which it must
-#: reduce that there, and where it begins.  Not measured.
+#: reduce that there.  Not measured.
 NEWTON_RESIDUAL = 0.05
 NEWTON_GAIN = 10.0
+
+#: Factor by which Newton's method must reduce the unbalanced force in the first iterations of a
+#: step.  Range: with 2 in one or two of them iterations of 36 random solids by 0.7 %, none of their
+#: peaks.
 WARM_GAIN = 30.0
 
 #: Farthest rotation in an iteration [rad]: beyond, a direction is not of the linearised motion.

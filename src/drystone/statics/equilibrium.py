@@ -118,7 +118,7 @@ class EquilibriumState:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     curvature: Array | None = None  # (n, n_dof) likewise, of the tangent in the last step
     unstable: int = 0  # unstable equilibria in a row, this one included
-    unchanged: bool = False  # whether no contact changed its state in the last step
+    in_vain: int = 0  # times in a row that Newton's method along the tangent was tried so
     acted: ActedContacts | None = None
 
 
@@ -129,12 +129,21 @@ def _curvature(before: Array | None, after: Array | None, increment: float | Non
     return (after - before) / increment
 
 
-def _guesses(state: EquilibriumState, increment: float | None, guess: Array) -> list[Array]:
+def _along(state: EquilibriumState, demand: Demand, guess: Array) -> Array | None:
+    """The increments (n, n_dof) of a step that follows the curve: along its tangent; or, where
+    supports move, those of the last step, which are the ``guess``; None where there is neither."""
+    if demand.increment is not None and state.tangent is not None:
+        return demand.increment * state.tangent
+    return guess if demand.settlement and state.last_support_motion else None
+
+
+def _guesses(
+    state: EquilibriumState, increment: float | None, guess: Array, along: Array | None
+) -> list[Array]:
     """Increments (n, n_dof) near which a step may end: a ``guess``; along the tangent, if it is
     known; and by its curvature, if that is."""
-    if state.tangent is None or increment is None:
+    if along is None or increment is None:
         return [guess]
-    along = increment * state.tangent
     if state.curvature is None:
         return [guess, along]
     return [guess, along, along + 0.5 * increment**2 * state.curvature]
@@ -432,8 +441,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         h: float,
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
-        increment, guesses = demand.increment, _guesses(state, demand.increment, guess)
-        along = guesses[:2][-1]
+        increment, along = demand.increment, _along(state, demand, guess)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -448,14 +456,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         ) -> StepSolution:
             nonlocal last
             begin(branch, guess, current, fresh)
-            tried, multiplier = guesses, start
+            tried, multiplier = _guesses(state, increment, guess, along), start
             if last is not None:
                 tried = [last.increment if near is None else near]
                 multiplier = multiplier if prescribed is None else last.multiplier
             begins = StepStart(
                 guesses=tried, multiplier=multiplier, reaction=state.reaction,
-                unchanged=state.unchanged or last is not None,
-                slope=np.nan if state.softened else state.slope, unstable=_to_leave(state),
+                along=None if last else along, repeats=last is not None,
+                slope=np.nan if state.softened else state.slope,
+                unstable=_to_leave(state), in_vain=state.in_vain,
             )  # fmt: skip
             last = solution.solve(
                 own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,
@@ -464,8 +473,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             return last
 
         def expect(current: Array, fresh: Array) -> None:
-            begin(state.branch, along, current, fresh)
-            own.restart(along, start)
+            ahead = guess if along is None else along
+            begin(state.branch, ahead, current, fresh)
+            own.restart(ahead, start)
 
         if not state.prepared.strengths.any:
             return once(None, None, state.branch, None)
@@ -653,7 +663,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             curvature=_curvature(state.tangent, solved.tangent, demand.increment),
             kept=own.kept.copy() if isinstance(own, PlaneStep) else None,
             unstable=state.unstable + 1 if solved.unstable else 0,
-            unchanged=bool(np.array_equal(then.branch, state.branch)),
+            in_vain=solved.in_vain,
             acted=then.acted,
         )
         lost = heirs.lost(past) if slots.dim == 3 else 0.0

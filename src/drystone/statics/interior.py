@@ -10,8 +10,8 @@ leave their friction cones within a neighbourhood of the central path.  They are
 back, centred on the trial reactions at their new place.
 
 Every few iterations, and at the end, Newton's method on the joint law itself is tried.  It is exact
-where the branches are those of the solution.  Where no contact changes its state, Newton's method
-alone leads from one equilibrium to the next.
+where the branches are those of the solution.  Where contacts change their state as the tangent of
+the curve says, or not at all, Newton's method alone leads from one equilibrium to the next.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.common import tolerances
+from drystone.common.arrays import Array
 from drystone.contact.contacts import INTACT, STIFF_N
 from drystone.geometry.motion import rotations, translations
 from drystone.law import cones
@@ -112,13 +113,50 @@ class InteriorPoint:
             best = min(best, residual)
             if k == iterations or (k >= patience and best * gain > first):
                 return False
-            self.iterations += 1
-            by_multiplier, length = step.aim(), self._limit_rotation(1.0)
-            if not math.isfinite(by_multiplier) or not length > 0.0:
+            if not self._newton_step():
                 return False
-            step.multiplier += length * by_multiplier
-            step.move(step.bordered.columns[0], length)
         return False
+
+    def newton_along(self, guess: Array, tangent_motion: Array, multiplier: float) -> bool:
+        """Newton's method from a ``guess``, with each contact in the branch at first in which the
+        motion along the tangent ends; whether that leads to an equilibrium.
+
+        Guess and motion are increments (n, n_dof).  The error of a guess strains a stiff joint by
+        more than it carries, so that branches at the guess say nothing.  Along the tangent the
+        trial reactions are exact to first order.
+        """
+        step, n = self.step, self.step.n
+        step.restart(np.zeros_like(guess), multiplier)
+        step.follow(tangent_motion)
+        step.respond()
+        trial, reaction = step.trial[:n].copy(), step.reaction[:n].copy()
+        response, branch = step.response[:n].copy(), step.branch[:n].copy()
+        step.restart(guess, multiplier)
+        step.respond()
+        if not np.array_equal(step.branch[:n], branch):
+            off = step.trial[:n] - trial
+            step.reaction[:n] = reaction + np.einsum("kij,kj->ki", response, off)
+            step.response[:n] = response
+            step.balance(step.reaction)
+            if not self._newton_step():
+                return False
+        return self.newton_from_start()
+
+    def newton_from_start(self) -> bool:
+        """Newton's method as a step begins; whether that ends in an equilibrium."""
+        most = self.settings.warm_iterations
+        return self.newton(most, patience=WARM_PATIENCE, gain=tolerances.WARM_GAIN)
+
+    def _newton_step(self) -> bool:
+        """One iteration of Newton's method with the present responses; whether it has moved."""
+        step = self.step
+        self.iterations += 1
+        by_multiplier, length = step.aim(), self._limit_rotation(1.0)
+        if not math.isfinite(by_multiplier) or not length > 0.0:
+            return False
+        step.multiplier += length * by_multiplier
+        step.move(step.bordered.columns[0], length)
+        return True
 
     def _limit_rotation(self, length: float) -> float:
         """A ``length`` of the direction, or as much of it as rotates no body too far."""

@@ -19,7 +19,6 @@ from drystone.law.branches import BONDED
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
     SLOW_ITERATIONS,
-    WARM_PATIENCE,
     Attempt,
     InteriorPoint,
     InteriorSettings,
@@ -59,7 +58,7 @@ class _Solver(InteriorPoint):
         step, s = self.step, self.settings
         if warm:
             step.restart(guess, multiplier)
-            if self.newton(s.warm_iterations, patience=WARM_PATIENCE, gain=tolerances.WARM_GAIN):
+            if self.newton_from_start():
                 return True
         most = s.max_iterations if full_search else s.few_iterations
         first = Attempt(barrier=s.barrier, by_residual=True, iterations=most, soon=not full_search)
@@ -98,14 +97,10 @@ class _Solver(InteriorPoint):
         return True
 
 
-def _tries_to_leave(unstable: int) -> bool:
-    """Whether to look for a stable equilibrium after so many unstable ones in a row.
-
-    One alone says little: a stable one nearly always lies within micrometres.  Where they go on,
-    the structure has come to a branch that it would leave.  It is looked for after 1, 2, 4, 8, ...
-    of them, as it may be far by then.
-    """
-    return unstable > 0 and unstable & (unstable - 1) == 0
+def _due(times: int) -> bool:
+    """Whether to try again what has failed so many times in a row: after 1, 2, 4, 8, ... of
+    them."""
+    return times & (times - 1) == 0
 
 
 def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
@@ -132,14 +127,14 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
 class StepStart:
     """Where a step begins, and what is known of the one before."""
 
-    #: Increments (n, n_dof) near which the step may end; the second along the tangent, if any, the
-    #: third by its curvature.
-    guesses: Sequence[Array]
+    guesses: Sequence[Array]  # increments (n, n_dof) near which the step may end
     multiplier: float  # without a prescribed displacement, the one that is asked for
     reaction: Array  # of all contacts, (n_slots, dim) [N]
-    unchanged: bool = False  # whether no contact changed its state in the last step
+    along: Array | None = None  # (n, n_dof), one of them: that along the curve, if it is known
+    repeats: bool = False  # whether the guess is where the step ended with other strengths
     slope: float = math.nan  # 1/m, of the curve, if it is known
     unstable: int = 0  # unstable equilibria in a row, that at the start included
+    in_vain: int = 0  # times in a row that Newton's method along the tangent was tried so
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,19 +225,14 @@ def _by_interior(
         slope = _slope_at_start(step, start.multiplier)
         solver.iterations = 1  # a factorisation counts as one
     guess = _nearest(step, start.guesses, start.multiplier)
-    tried = {"warm": start.unchanged, "full_search": followed.full_search, "follows": follows}
-
-    def reach() -> Judged | None:
-        there = solver.find(guess, start.multiplier, **tried)
-        return _updated(solver, settings, follows=follows) if there else None
-
-    found = reach()
-    unstable = found is not None and not found.stable
-    if unstable and (prescribed is None or _tries_to_leave(start.unstable)):
-        found = _leave(solver, settings)
-        if found is None:
-            step.again()
-            found = reach()
+    along = start.along if follows else None
+    found, in_vain = None, start.in_vain
+    if along is not None:
+        found = _along_curve(solver, guess, along, start, settings)
+        in_vain = 0 if found else in_vain + 1
+    if found is None:
+        full_search = followed.full_search
+        found = _stable(solver, guess, start, settings, full_search=full_search, follows=follows)
     moved, reason = farthest(step.x), ""
     if found and not found.stable and (fold is None or math.isfinite(fold.drop)):
         fold = Fold(1.0, step.multiplier)
@@ -256,8 +246,6 @@ def _by_interior(
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
     excess, bend = shape_between(begun, ended, slope, end, sense * increment)
-    # The second guess is along the tangent.
-    off = follows and len(start.guesses) > 1
     solution = StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
@@ -265,13 +253,65 @@ def _by_interior(
         fold=fold,
         excess=excess if not reason else None,
         bend=bend if not reason else None,
-        deviation=deviation(step, step.x, start.guesses[1]) if off else None,
+        deviation=deviation(step, step.x, start.along)
+        if follows and start.along is not None
+        else None,
         slope=end,
         tangent=tangent,
         unstable=not stable,
+        in_vain=in_vain,
         reason=reason,
     )
     return solution, found is not None
+
+
+def _along_curve(
+    solver: _Solver, guess: Array, along: Array, start: StepStart, settings: SolutionSettings
+) -> Judged | None:
+    """A stable equilibrium by Newton's method along the curve; None where there is none, and the
+    step is then as it began.
+
+    It is not tried in each step where it fails: where many contacts change their branch, it nearly
+    always does.
+    """
+    if not (_due(start.in_vain) and solver.newton_along(guess, along, start.multiplier)):
+        return None
+    found = _updated(solver, settings, follows=True)
+    if found and found.stable:
+        return found
+    solver.step.again()
+    return None
+
+
+def _stable(
+    solver: _Solver,
+    guess: Array,
+    start: StepStart,
+    settings: SolutionSettings,
+    *,
+    full_search: bool,
+    follows: bool,
+) -> Judged | None:
+    """A stable equilibrium by the interior-point method, or an unstable one where none is beside
+    it; None where there is none."""
+
+    def reach() -> Judged | None:
+        there = solver.find(
+            guess, start.multiplier, warm=start.repeats, full_search=full_search, follows=follows
+        )
+        return _updated(solver, settings, follows=follows) if there else None
+
+    found = reach()
+    # One unstable equilibrium alone says little: a stable one nearly always lies within
+    # micrometres.  Where they go on, the structure has come to a branch that it would leave.  A
+    # stable one is looked for now and then, as it may be far by then.
+    leaves = solver.step.prescribed is None or (start.unstable > 0 and _due(start.unstable))
+    if found and not found.stable and leaves:
+        found = _leave(solver, settings)
+        if found is None:
+            solver.step.again()
+            found = reach()
+    return found
 
 
 def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> Judged | None:

@@ -32,6 +32,7 @@ from drystone.contact.contacts import (
     SHIFT,
     SLOT,
     STIFF_N,
+    STIFF_T,
     TRIAL_N,
     TRIAL_T,
     Contacts,
@@ -99,6 +100,7 @@ class StepSolution:
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
     unstable: bool = False  # whether it is unstable, and no stable one was found nearby
+    in_vain: int = 0  # times in a row that Newton's method along the tangent has not led there
     softened: bool = False  # whether joints soften where it is, and the slope is with that
     reason: str = ""
 
@@ -252,6 +254,14 @@ class StaticStep(ABC):
         """Move on by ``length`` times increments (n, n_dof); contacts are located anew."""
         self._go(step, length)
         self._locate_all()
+
+    def follow(self, motion: Array) -> None:
+        """Let the trial reactions follow a ``motion`` (n, n_dof) to first order, from where the
+        step is."""
+        n, table = self.n, self.table
+        self.rates(motion)
+        self.trial[:n] -= table[:n, (STIFF_N, STIFF_T, STIFF_T)] * self.by_motion[:n]
+        table[:n, TRIAL_N : TRIAL_T + 1] = self.trial[:n, :2]
 
     @property
     def missing(self) -> float:
