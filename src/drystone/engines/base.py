@@ -219,7 +219,6 @@ class PreferredSteps:
     displacement_step: float | None = None  # m, longest
     time_step: float | None = None  # s
     grow_iterations: int | None = None  # of a step, up to which the next one may grow
-    bend_share: float | None = None  # of the peak, that its curves may bend within a step
 
 
 class Engine(ABC, Generic[OwnState]):

@@ -192,11 +192,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             max(height * tolerances.STEP_OF_HEIGHT, tolerances.LEAST_STEP * size),
             tolerances.MOST_STEP * size,
         )
-        bend = tolerances.BEND_SHARE_IN_SPACE if assembly.dimension == 3 else None
         grow_iterations = self.settings.solution.interior.few_iterations
-        return PreferredSteps(
-            displacement_step=step, grow_iterations=grow_iterations, bend_share=bend
-        )
+        return PreferredSteps(displacement_step=step, grow_iterations=grow_iterations)
 
     def derived(self, problem: Problem) -> tuple[Prepared]:
         return (Prepared.of(problem, self),)
