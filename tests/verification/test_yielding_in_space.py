@@ -190,8 +190,8 @@ class TestToe:
         assert exact * (1.0 - 4e-3) <= peak <= exact + above
 
     def test_a_strong_one_is_dry(self):
-        """Each is balanced, by ways of their own, to a share of its weight, which the load has at
-        a multiplier of one."""
+        """Both balance to `BALANCE` of the weight, in different ways.  At a multiplier of one the
+        load is the weight."""
         strong = self.trace(joint(1.0, 1e11, compressive_strength=1e13), 4)
         dry = self.trace(joint(1.0, 1e11), 4)
         for name, off in (("control_displacement", 1e-12), ("load_multiplier", 2.0 * BALANCE)):

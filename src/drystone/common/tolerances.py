@@ -15,7 +15,7 @@ or seconds means these; all others are over what the comment names.
   space, 6 solids and 4 arches (``benchmarks/robustness.py``, seeds 0:24:2, 0:12:2, 0:8:2).  A
   number has *no effect* if it changes peaks by less than 1e-4 of themselves, and the sum of steps
   by less than 1 %, in the plane and in space.  Peaks in space are known to some 2e-3 with steps of
-  the default length (`BEND_SHARE_IN_SPACE`): what changes where points lie changes them by that.
+  the default length: what changes where points lie changes them by that.
   Measured with the static step before that which plane and space share.  Ranges *by* `distinct` are
   of 3 plane structures, seeds 8, 10 and 12.
 - *Convention*: what a word means; another number would mean something else.
@@ -459,8 +459,9 @@ DRIVE_SHARE = 2e-2
 NO_OVERSHOOT = 0.2
 SMALL_OVERSHOOT = 0.05
 
-#: Of the peak, that the curve may bend within a step.  Range: plane: no effect.  Space: twice as
-#: much, a peak by 5.4e-3, up to the peak iterations by -5 %.
+#: Of the peak, that the curve may bend within a step.  Range: plane: no effect.  Space, of 84
+#: solids, doubled: a peak by 5.4e-3, and by 1.7e-2 one of a leaf that has many equilibria;
+#: iterations up to the peak by -5 %.
 BEND_SHARE = 2e-3
 
 #: Part of the bend that may be which the next step aims at.  Range, space: peaks by 1.9e-3, steps
@@ -979,8 +980,8 @@ NEWTON_RESIDUAL = 0.05
 NEWTON_GAIN = 10.0
 
 #: Factor by which Newton's method must reduce the unbalanced force in the first iterations of a
-#: step.  Range: with 2 in one or two of them iterations of 36 random solids by 0.7 %, none of their
-#: peaks.
+#: step.  Range: a factor of 2 in one or two iterations changes those of 36 random solids by 0.7 %,
+#: and no peak.
 WARM_GAIN = 30.0
 
 #: Farthest rotation in an iteration [rad]: beyond, a direction is not of the linearised motion.

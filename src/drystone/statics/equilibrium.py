@@ -118,7 +118,7 @@ class EquilibriumState:
     tangent: Array | None = None  # (n, n_dof) per m of the control displacement
     curvature: Array | None = None  # (n, n_dof) likewise, of the tangent in the last step
     unstable: int = 0  # unstable equilibria in a row, this one included
-    in_vain: int = 0  # times in a row that Newton's method along the tangent was tried so
+    in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
     acted: ActedContacts | None = None
 
 
@@ -132,7 +132,7 @@ def _curvature(before: Array | None, after: Array | None, increment: float | Non
 def _along(state: EquilibriumState, demand: Demand, guess: Array) -> Array | None:
     """The increments (n, n_dof) of a step that follows the curve: along its tangent; or, where
     supports move, those of the last step, which are the ``guess``; None where there is neither."""
-    if demand.increment is not None and state.tangent is not None:
+    if demand.increment and state.tangent is not None:
         return demand.increment * state.tangent
     return guess if demand.settlement and state.last_support_motion else None
 
@@ -439,6 +439,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
         increment, along = demand.increment, _along(state, demand, guess)
+        guesses = _guesses(state, increment, guess, along)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -453,16 +454,20 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         ) -> StepSolution:
             nonlocal last
             begin(branch, guess, current, fresh)
-            tried, multiplier = _guesses(state, increment, guess, along), start
-            if last is not None:
-                tried = [last.increment if near is None else near]
-                multiplier = multiplier if prescribed is None else last.multiplier
             begins = StepStart(
-                guesses=tried, multiplier=multiplier, reaction=state.reaction,
-                along=None if last else along, repeats=last is not None,
+                guesses=guesses, along=along, multiplier=start, reaction=state.reaction,
                 slope=np.nan if state.softened else state.slope,
                 unstable=_to_leave(state), in_vain=state.in_vain,
             )  # fmt: skip
+            if last is not None:
+                begins = replace(
+                    begins,
+                    guesses=[last.increment if near is None else near],
+                    along=None,
+                    multiplier=start if prescribed is None else last.multiplier,
+                    repeats=True,
+                    in_vain=last.in_vain,
+                )
             last = solution.solve(
                 own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,
                 full_search=demand.full_search, beyond=demand.over_fold,

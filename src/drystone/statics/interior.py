@@ -49,7 +49,7 @@ class InteriorSettings:
     #: Energy below which the branches of contacts can be told.
     enough: float = tolerances.TELLS
     #: Newton's method is tried every so many iterations; iterations that it has there, and at the
-    #: start of a step from the last one.
+    #: start of a step.
     newton_every: int = 16
     newton_iterations: int = 6
     warm_iterations: int = 12
@@ -118,12 +118,12 @@ class InteriorPoint:
         return False
 
     def newton_along(self, guess: Array, tangent_motion: Array, multiplier: float) -> bool:
-        """Newton's method from a ``guess``, with each contact in the branch at first in which the
-        motion along the tangent ends; whether that leads to an equilibrium.
+        """Newton's method from a ``guess``; whether that leads to an equilibrium.
 
-        Guess and motion are increments (n, n_dof).  The error of a guess strains a stiff joint by
-        more than it carries, so that branches at the guess say nothing.  Along the tangent the
-        trial reactions are exact to first order.
+        Each contact is at first in the branch that the motion along the tangent leads to.  Guess
+        and motion are increments (n, n_dof).  The error of a guess strains a stiff joint by more
+        than it carries, so that branches at the guess say nothing.  Along the tangent the trial
+        reactions are exact to first order.
         """
         step, n = self.step, self.step.n
         step.restart(np.zeros_like(guess), multiplier)

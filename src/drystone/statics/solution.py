@@ -98,8 +98,8 @@ class _Solver(InteriorPoint):
 
 
 def _due(times: int) -> bool:
-    """Whether to try again what has failed so many times in a row: after 1, 2, 4, 8, ... of
-    them."""
+    """Whether to try what has not succeeded in so many steps in a row: at once, and after 1, 2, 4,
+    8, ... of them."""
     return times & (times - 1) == 0
 
 
@@ -134,7 +134,7 @@ class StepStart:
     repeats: bool = False  # whether the guess is where the step ended with other strengths
     slope: float = math.nan  # 1/m, of the curve, if it is known
     unstable: int = 0  # unstable equilibria in a row, that at the start included
-    in_vain: int = 0  # times in a row that Newton's method along the tangent was tried so
+    in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,7 +215,8 @@ def _by_interior(
     *,
     dynamic: bool,
 ) -> tuple[StepSolution, bool]:
-    """The step by the interior-point method; and whether there is an equilibrium."""
+    """The step by Newton's method along the curve, or else by the interior-point method; and
+    whether there is an equilibrium."""
     prescribed, farthest = step.prescribed, step.detector.farthest
     solver, fold, driven = _Solver(step, settings.interior), followed.fold, farthest(step.given)
     increment = prescribed.increment if prescribed else driven
@@ -225,10 +226,11 @@ def _by_interior(
         slope = _slope_at_start(step, start.multiplier)
         solver.iterations = 1  # a factorisation counts as one
     guess = _nearest(step, start.guesses, start.multiplier)
-    along = start.along if follows else None
-    found, in_vain = None, start.in_vain
+    along, found, in_vain = start.along if follows else None, None, start.in_vain
     if along is not None:
-        found = _along_curve(solver, guess, along, start, settings)
+        # Where many contacts change their branch in each step, this nearly always fails.
+        if _due(in_vain):
+            found = _along_curve(solver, guess, along, start.multiplier, settings)
         in_vain = 0 if found else in_vain + 1
     if found is None:
         full_search = followed.full_search
@@ -266,17 +268,12 @@ def _by_interior(
 
 
 def _along_curve(
-    solver: _Solver, guess: Array, along: Array, start: StepStart, settings: SolutionSettings
+    solver: _Solver, guess: Array, along: Array, multiplier: float, settings: SolutionSettings
 ) -> Judged | None:
     """A stable equilibrium by Newton's method along the curve; None where there is none, and the
-    step is then as it began.
-
-    It is not tried in each step where it fails: where many contacts change their branch, it nearly
-    always does.
-    """
-    if not (_due(start.in_vain) and solver.newton_along(guess, along, start.multiplier)):
-        return None
-    found = _updated(solver, settings, follows=True)
+    step is then as it began."""
+    there = solver.newton_along(guess, along, multiplier)
+    found = _updated(solver, settings, follows=True) if there else None
     if found and found.stable:
         return found
     solver.step.again()
@@ -292,8 +289,10 @@ def _stable(
     full_search: bool,
     follows: bool,
 ) -> Judged | None:
-    """A stable equilibrium by the interior-point method, or an unstable one where none is beside
-    it; None where there is none."""
+    """An equilibrium by the interior-point method; None where there is none.
+
+    If it is unstable, a stable one beside it is looked for where that is due.
+    """
 
     def reach() -> Judged | None:
         there = solver.find(

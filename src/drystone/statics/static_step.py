@@ -100,7 +100,7 @@ class StepSolution:
     slope: float = np.nan  # 1/m, of the curve at the end; in space
     tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
     unstable: bool = False  # whether it is unstable, and no stable one was found nearby
-    in_vain: int = 0  # times in a row that Newton's method along the tangent has not led there
+    in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
     softened: bool = False  # whether joints soften where it is, and the slope is with that
     reason: str = ""
 
