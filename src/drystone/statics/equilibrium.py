@@ -137,16 +137,29 @@ def _along(state: EquilibriumState, demand: Demand, guess: Array) -> Array | Non
     return guess if demand.settlement and state.last_support_motion else None
 
 
-def _guesses(
-    state: EquilibriumState, increment: float | None, guess: Array, along: Array | None
-) -> list[Array]:
-    """Increments (n, n_dof) near which a step may end: a ``guess``; along the tangent, if it is
-    known; and by its curvature, if that is."""
-    if along is None or increment is None:
-        return [guess]
-    if state.curvature is None:
-        return [guess, along]
-    return [guess, along, along + 0.5 * increment**2 * state.curvature]
+def _begins(
+    state: EquilibriumState,
+    multiplier: float,
+    increment: float | None,
+    guess: Array,
+    along: Array | None,
+) -> StepStart:
+    """Where a step from a state begins; it may end near a ``guess``, along the tangent, if that is
+    known, and by its curvature, if that is."""
+    guesses = [guess]
+    if along is not None and increment is not None:
+        guesses.append(along)
+        if state.curvature is not None:
+            guesses.append(along + 0.5 * increment**2 * state.curvature)
+    return StepStart(
+        guesses=guesses,
+        along=along,
+        multiplier=multiplier,
+        reaction=state.reaction,
+        slope=np.nan if state.softened else state.slope,
+        unstable=_to_leave(state),
+        in_vain=state.in_vain,
+    )
 
 
 def _to_leave(state: EquilibriumState) -> int:
@@ -439,7 +452,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
         increment, along = demand.increment, _along(state, demand, guess)
-        guesses = _guesses(state, increment, guess, along)
+        begins = _begins(state, start, increment, guess, along)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -454,22 +467,15 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         ) -> StepSolution:
             nonlocal last
             begin(branch, guess, current, fresh)
-            begins = StepStart(
-                guesses=guesses, along=along, multiplier=start, reaction=state.reaction,
-                slope=np.nan if state.softened else state.slope,
-                unstable=_to_leave(state), in_vain=state.in_vain,
-            )  # fmt: skip
+            again = begins
             if last is not None:
-                begins = replace(
-                    begins,
-                    guesses=[last.increment if near is None else near],
-                    along=None,
+                again = replace(
+                    begins, guesses=[last.increment if near is None else near], along=None,
                     multiplier=start if prescribed is None else last.multiplier,
-                    repeats=True,
-                    in_vain=last.in_vain,
-                )
+                    repeats=True, in_vain=last.in_vain,
+                )  # fmt: skip
             last = solution.solve(
-                own, begins, self.settings.solution, dynamic=demand.time_step > 0.0,
+                own, again, self.settings.solution, dynamic=demand.time_step > 0.0,
                 full_search=demand.full_search, beyond=demand.over_fold,
             )  # fmt: skip
             return last

@@ -107,19 +107,32 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
     """A stable equilibrium beside the unstable one that the step is at, to either side of it by its
     growing mode; None where there is none, and the step is then left anywhere.
 
-    A structure with two ways to go, as a portal of which either pier may tilt, or a square column
-    on its diagonal, has an equilibrium between them, which no structure stays in.
+    A structure with two ways to go, as a portal of which either pier may tilt, or a column on its
+    diagonal, has an equilibrium between them, which no structure stays in.  Which way it goes is of
+    its imperfections: of two it is taken to go where it carries less.
     """
     step = solver.step
     way, x, multiplier = growing(step, settings.stability), step.x.copy(), step.multiplier
-    lengths = DEPARTURES * step.loaded.prepared.assembly.smallest_extent
-    for length in [] if way is None else [sense * d for d in lengths for sense in (1.0, -1.0)]:
+    if way is None:
+        return None
+    backwards = step.prescribed is not None and step.prescribed.increment < 0.0
+
+    def beside(length: float) -> Judged | None:
         step.again()
         start = x + length * way
-        if solver.find(start, multiplier, warm=True, full_search=False, follows=True):
-            found = _updated(solver, settings, follows=True)
-            if found and found.stable:
-                return found
+        if not solver.find(start, multiplier, warm=True, full_search=False, follows=True):
+            return None
+        found = _updated(solver, settings, follows=True)
+        return found if found and found.stable else None
+
+    for length in DEPARTURES * step.loaded.prepared.assembly.smallest_extent:
+        one, of_one = beside(length), step.multiplier
+        other = beside(-length)
+        less = step.multiplier > of_one if backwards else step.multiplier < of_one
+        if other and (one is None or less):
+            return other
+        if one:
+            return beside(length)
     return None
 
 
@@ -176,7 +189,7 @@ def solve(
         followed = _follow(step, start, settings.path, whole=whole, full_search=full_search)
         if followed.solution is not None:
             return followed.solution
-    solved, found = _by_interior(step, start, followed, settings, dynamic=dynamic)
+    solved, found = _by_iterations(step, start, followed, settings, dynamic=dynamic)
     if found or solved.reason == TOO_STIFF or followed.at_last is None:
         return solved
     step.again()
@@ -207,7 +220,7 @@ def _follow(
     return _Followed(fold=solution.fold, full_search=full_search, at_last=at_last)
 
 
-def _by_interior(
+def _by_iterations(
     step: StaticStep,
     start: StepStart,
     followed: _Followed,
@@ -217,25 +230,39 @@ def _by_interior(
 ) -> tuple[StepSolution, bool]:
     """The step by Newton's method along the curve, or else by the interior-point method; and
     whether there is an equilibrium."""
-    prescribed, farthest = step.prescribed, step.detector.farthest
-    solver, fold, driven = _Solver(step, settings.interior), followed.fold, farthest(step.given)
-    increment = prescribed.increment if prescribed else driven
+    prescribed, driven = step.prescribed, step.detector.farthest(step.given)
+    solver, slope = _Solver(step, settings.interior), start.slope
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
-    slope = start.slope
     if follows and prescribed is not None and not math.isfinite(slope):
         slope = _slope_at_start(step, start.multiplier)
         solver.iterations = 1  # a factorisation counts as one
     guess = _nearest(step, start.guesses, start.multiplier)
     along, found, in_vain = start.along if follows else None, None, start.in_vain
+    # One unstable equilibrium alone says little: a stable one nearly always lies within
+    # micrometres.  Where they go on, the structure has come to a branch that it would leave.
+    leaves = prescribed is None or (start.unstable > 0 and _due(start.unstable))
     if along is not None:
         # Where many contacts change their branch in each step, this nearly always fails.
         if _due(in_vain):
             found = _along_curve(solver, guess, along, start.multiplier, settings)
-        in_vain = 0 if found else in_vain + 1
-    if found is None:
-        full_search = followed.full_search
-        found = _stable(solver, guess, start, settings, full_search=full_search, follows=follows)
-    moved, reason = farthest(step.x), ""
+        in_vain = 0 if found and found.stable else in_vain + 1
+    if found and not found.stable and leaves:
+        found, leaves = _leave(solver, settings), False
+    if not (found and found.stable):
+        found = _from_within(
+            solver, guess, start, settings,
+            full_search=followed.full_search, follows=follows, leaves=leaves,
+        )  # fmt: skip
+    begun = replace(start, slope=slope, along=along, in_vain=in_vain)
+    return _reported(solver, begun, followed.fold, found), found is not None
+
+
+def _reported(
+    solver: _Solver, start: StepStart, fold: Fold | None, found: Judged | None
+) -> StepSolution:
+    """What there is to say of the equilibrium that has been ``found``."""
+    step, prescribed = solver.step, solver.step.prescribed
+    moved, reason = step.detector.farthest(step.x), ""
     if found and not found.stable and (fold is None or math.isfinite(fold.drop)):
         fold = Fold(1.0, step.multiplier)
     stable, end, tangent = found or Judged(stable=True)
@@ -245,42 +272,35 @@ def _by_interior(
             reason = TOO_STIFF
     elif not moved <= step.accuracy.farthest:
         reason = TOO_FAR
+    increment = prescribed.increment if prescribed else step.detector.farthest(step.given)
     sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
-    excess, bend = shape_between(begun, ended, slope, end, sense * increment)
-    solution = StepSolution(
+    excess, bend = shape_between(begun, ended, start.slope, end, sense * increment)
+    return StepSolution(
         increment=step.x.copy(),
         multiplier=step.multiplier,
         n_iterations=solver.iterations,
         fold=fold,
         excess=excess if not reason else None,
         bend=bend if not reason else None,
-        deviation=deviation(step, step.x, start.along)
-        if follows and start.along is not None
-        else None,
+        deviation=None if start.along is None else deviation(step, step.x, start.along),
         slope=end,
         tangent=tangent,
         unstable=not stable,
-        in_vain=in_vain,
+        in_vain=start.in_vain,
         reason=reason,
     )
-    return solution, found is not None
 
 
 def _along_curve(
     solver: _Solver, guess: Array, along: Array, multiplier: float, settings: SolutionSettings
 ) -> Judged | None:
-    """A stable equilibrium by Newton's method along the curve; None where there is none, and the
-    step is then as it began."""
+    """An equilibrium by Newton's method along the curve; None where there is none."""
     there = solver.newton_along(guess, along, multiplier)
-    found = _updated(solver, settings, follows=True) if there else None
-    if found and found.stable:
-        return found
-    solver.step.again()
-    return None
+    return _updated(solver, settings, follows=True) if there else None
 
 
-def _stable(
+def _from_within(
     solver: _Solver,
     guess: Array,
     start: StepStart,
@@ -288,28 +308,23 @@ def _stable(
     *,
     full_search: bool,
     follows: bool,
+    leaves: bool,
 ) -> Judged | None:
     """An equilibrium by the interior-point method; None where there is none.
 
-    If it is unstable, a stable one beside it is looked for where that is due.
+    If it is unstable, and the structure ``leaves`` such ones, a stable one beside it is looked for.
     """
 
     def reach() -> Judged | None:
+        solver.step.again()
         there = solver.find(
             guess, start.multiplier, warm=start.repeats, full_search=full_search, follows=follows
         )
         return _updated(solver, settings, follows=follows) if there else None
 
     found = reach()
-    # One unstable equilibrium alone says little: a stable one nearly always lies within
-    # micrometres.  Where they go on, the structure has come to a branch that it would leave.  A
-    # stable one is looked for now and then, as it may be far by then.
-    leaves = solver.step.prescribed is None or (start.unstable > 0 and _due(start.unstable))
     if found and not found.stable and leaves:
-        found = _leave(solver, settings)
-        if found is None:
-            solver.step.again()
-            found = reach()
+        found = _leave(solver, settings) or reach()
     return found
 
 
