@@ -94,35 +94,48 @@ def _vector(name: str, values: Array, text: str) -> dict[str, tuple[float, str]]
     }
 
 
-#: The load pattern times the multiplier, on every block that moves.
-PUT_LOADS = """\
+def put_loads(axes: str) -> str:
+    """FISH that puts the load pattern times the multiplier on every block that moves."""
+    loads = "".join(
+        f"      b_{axis}load(ib) = lam * grav * b_mass(ib) * load_{axis}\n" for axis in axes
+    )
+    return f"""\
 def put_loads
   ib = block_head
   loop while ib # 0
     if b_fix(ib) = 0 then
-      b_xload(ib) = lam * grav * b_mass(ib) * load_x
-      b_yload(ib) = lam * grav * b_mass(ib) * load_y
+{loads}\
     end_if
     ib = b_next(ib)
   end_loop
 end
 """
-#: What the supports carry of the load, over its sum.  Of the weight they carry a part, too, along a
-#: load that leans.
-READ_CARRIED = """\
+
+
+def read_carried(axes: str) -> str:
+    """FISH that reads what the supports carry of the load, over its sum.
+
+    The last of the ``axes`` is up.  The supports carry a part of the weight along a load that
+    leans, too.
+    """
+    level, up = axes[:-1], axes[-1]
+    held = "".join(f"      held = held + b_{axis}force(ib) * load_{axis}\n" for axis in level)
+    return f"""\
 def read_carried
   held = 0.0
   ib = block_head
   loop while ib # 0
     if b_fix(ib) # 0 then
-      held = held + b_xforce(ib) * load_x
-      held = held + (b_yforce(ib) + grav * b_mass(ib)) * load_y
+{held}\
+      held = held + (b_{up}force(ib) + grav * b_mass(ib)) * load_{up}
     end_if
     ib = b_next(ib)
   end_loop
-  lam_c = held / total + load_y
+  lam_c = held / total + load_{up}
 end
 """
+
+
 #: The published strategy in FISH, on top of the functions above and of two that each program has
 #: its own of: ``stop_blocks``, and ``read_control`` (into ``ctl_u``).
 PUSHOVER = """\

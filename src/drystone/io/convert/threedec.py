@@ -31,44 +31,6 @@ from drystone.model.model import Model
 
 PROGRAM = "3DEC"
 
-FUNCTIONS = f"""\
-def add_up
-  total = 0.0
-  ctl_b = 0
-  least = 1e30
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) = 0 then
-      total = total + grav * b_mass(ib)
-    end_if
-    away = (b_x(ib) - ctl_bx)^2 + (b_y(ib) - ctl_by)^2
-    if away < least then
-      least = away
-      ctl_b = ib
-    end_if
-    ib = b_next(ib)
-  end_loop
-  ; the vertex of the control block that is nearest to the control point
-  least = 1e30
-  ig = b_gp(ctl_b)
-  loop while ig # 0
-    away = (gp_x(ig) - ctl_x)^2 + (gp_y(ig) - ctl_y)^2
-    if away < least then
-      least = away
-      ctl_g = ig
-    end_if
-    ig = gp_next(ig)
-  end_loop
-end
-{itasca.PUT_LOADS}\
-{threedec_solids.STOP_BLOCKS}\
-{itasca.READ_CARRIED}\
-def read_control
-  ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y
-end
-@add_up
-""".splitlines()
-
 #: Gives the contacts between two blocks, by their regions, another joint material.
 JOINT_LAW = """\
 def joint_law(n_law, n_1, n_2)
@@ -89,6 +51,67 @@ def joint_law(n_law, n_1, n_2)
     ic = c_next(ic)
   end_loop
 end
+""".splitlines()
+
+
+def _squared_distance(one: str, other: str, axes: str) -> str:
+    """FISH of the squared distance of two points, whose components are named with ``{}``."""
+    return " + ".join(f"({one.format(axis)} - {other.format(axis)})^2" for axis in axes)
+
+
+def functions(axes: str) -> list[str]:
+    """FISH of a model along ``axes``, of which the last is up."""
+    to_centroid = _squared_distance("b_{}(ib)", "ctl_b{}", axes)
+    to_point = _squared_distance("gp_{}(ig)", "ctl_{}", axes)
+    control = "".join(f"  ctl_u = ctl_u + gp_{axis}dis(ctl_g) * read_{axis}\n" for axis in axes)
+    return f"""\
+def add_up
+  total = 0.0
+  ctl_b = 0
+  least = 1e30
+  ib = block_head
+  loop while ib # 0
+    if b_fix(ib) = 0 then
+      total = total + grav * b_mass(ib)
+    end_if
+    away = {to_centroid}
+    if away < least then
+      least = away
+      ctl_b = ib
+    end_if
+    ib = b_next(ib)
+  end_loop
+  ; the vertex of the control block that is nearest to the control point
+  least = 1e30
+  ig = b_gp(ctl_b)
+  loop while ig # 0
+    away = {to_point}
+    if away < least then
+      least = away
+      ctl_g = ig
+    end_if
+    ig = gp_next(ig)
+  end_loop
+end
+{itasca.put_loads(axes)}\
+def stop_blocks
+  ib = block_head
+  loop while ib # 0
+    b_xvel(ib) = 0.0
+    b_yvel(ib) = 0.0
+    b_zvel(ib) = 0.0
+    b_rxvel(ib) = 0.0
+    b_ryvel(ib) = 0.0
+    b_rzvel(ib) = 0.0
+    ib = b_next(ib)
+  end_loop
+end
+{itasca.read_carried(axes)}\
+def read_control
+  ctl_u = 0.0
+{control}\
+end
+@add_up
 """.splitlines()
 
 
@@ -131,7 +154,7 @@ def write(model: Model, name: str = "") -> Written:
             f"@joint_law({law}, {i + 1}, {j + 1})" for law, i, j in itasca.pair_laws(assembly)
         ]
         notes.append(itasca.LAWS_AS_DESIGNED)
-    lines += ["", *(threedec_solids.FUNCTIONS if solid else FUNCTIONS), *itasca.PUSHOVER]
+    lines += ["", *functions("xyz" if solid else "xy"), *itasca.PUSHOVER]
     return Written(text="\n".join(lines) + "\n", notes=tuple(notes))
 
 

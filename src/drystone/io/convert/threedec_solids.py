@@ -1,4 +1,4 @@
-"""3DEC in space: blocks as prisms or face by face, and what FISH is other than in the plane.
+"""3DEC in space: blocks as prisms or face by face.
 
 z is up.  A solid of which two faces of as many corners are joined by its other edges is written as
 a prism between them, as any box, extruded outline or voussoir can be; others by their faces, each
@@ -15,82 +15,6 @@ from drystone.common.arrays import Array
 from drystone.geometry.space.solid import Faces, Part
 from drystone.io.convert import itasca
 from drystone.io.convert.common import number
-
-#: All velocities to zero: 3DEC's own, of solids and of prisms over a plane model.
-STOP_BLOCKS = """\
-def stop_blocks
-  ib = block_head
-  loop while ib # 0
-    b_xvel(ib) = 0.0
-    b_yvel(ib) = 0.0
-    b_zvel(ib) = 0.0
-    b_rxvel(ib) = 0.0
-    b_ryvel(ib) = 0.0
-    b_rzvel(ib) = 0.0
-    ib = b_next(ib)
-  end_loop
-end
-"""
-
-FUNCTIONS = f"""\
-def add_up
-  total = 0.0
-  ctl_b = 0
-  least = 1e30
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) = 0 then
-      total = total + grav * b_mass(ib)
-    end_if
-    away = (b_x(ib) - ctl_bx)^2 + (b_y(ib) - ctl_by)^2 + (b_z(ib) - ctl_bz)^2
-    if away < least then
-      least = away
-      ctl_b = ib
-    end_if
-    ib = b_next(ib)
-  end_loop
-  ; the vertex of the control block that is nearest to the control point
-  least = 1e30
-  ig = b_gp(ctl_b)
-  loop while ig # 0
-    away = (gp_x(ig) - ctl_x)^2 + (gp_y(ig) - ctl_y)^2 + (gp_z(ig) - ctl_z)^2
-    if away < least then
-      least = away
-      ctl_g = ig
-    end_if
-    ig = gp_next(ig)
-  end_loop
-end
-def put_loads
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) = 0 then
-      b_xload(ib) = lam * grav * b_mass(ib) * load_x
-      b_yload(ib) = lam * grav * b_mass(ib) * load_y
-      b_zload(ib) = lam * grav * b_mass(ib) * load_z
-    end_if
-    ib = b_next(ib)
-  end_loop
-end
-{STOP_BLOCKS}\
-def read_carried
-  held = 0.0
-  ib = block_head
-  loop while ib # 0
-    if b_fix(ib) # 0 then
-      held = held + b_xforce(ib) * load_x + b_yforce(ib) * load_y
-      held = held + (b_zforce(ib) + grav * b_mass(ib)) * load_z
-    end_if
-    ib = b_next(ib)
-  end_loop
-  lam_c = held / total + load_z
-end
-def read_control
-  ctl_u = gp_xdis(ctl_g) * read_x + gp_ydis(ctl_g) * read_y
-  ctl_u = ctl_u + gp_zdis(ctl_g) * read_z
-end
-@add_up
-""".splitlines()
 
 
 def block_command(region: int, part: Part) -> list[str]:

@@ -65,7 +65,7 @@ def add_up
   ctl_x0 = cor_x(ctl_c)
   ctl_y0 = cor_y(ctl_c)
 end
-{itasca.PUT_LOADS}\
+{itasca.put_loads("xy")}\
 def stop_blocks
   ib = block_head
   loop while ib # 0
@@ -75,7 +75,7 @@ def stop_blocks
     ib = b_next(ib)
   end_loop
 end
-{itasca.READ_CARRIED}\
+{itasca.read_carried("xy")}\
 def read_control
   ctl_u = (cor_x(ctl_c) - ctl_x0) * read_x + (cor_y(ctl_c) - ctl_y0) * read_y
 end
