@@ -968,11 +968,9 @@ SLIP_RADIUS = 10.0
 LEAST_REDUCTION = 1e-3
 MOST_REDUCTION = 0.8
 
-#: Energy and unbalanced force at which branches may be told, and energy below which there is
-#: nothing more to be found.  Not measured.
+#: Energy at which branches may be told.
+#: Not measured.
 TELLS = 1e-10
-TELLING_RESIDUAL = 1e-6
-NOTHING_MORE = 1e-24
 
 #: Unbalanced force below which Newton's method is tried between iterations; factor by which it must
 #: reduce that there.  Not measured.

@@ -188,10 +188,7 @@ class InteriorPoint:
                 least, since = energy, k
             elif k - since > settings.patience:
                 return False
-            near = residual <= tolerances.TELLING_RESIDUAL * self.block_weight
             told = energy <= settings.enough * unit
-            if told and near and self._solved():
-                return True
             due = k % settings.newton_every == 0 or (told and k >= again)
             if (
                 due
@@ -203,9 +200,7 @@ class InteriorPoint:
             damped = float(step.damping.max())
             if attempt.soon and (damped >= settings.lost or (told and damped > 0.0)):
                 return False
-            if near and energy <= tolerances.NOTHING_MORE * unit:
-                return False
-            if attempt.by_residual and not near and stalled >= STALLED:
+            if attempt.by_residual and stalled >= STALLED:
                 if recentred == RECENTRED:
                     return False
                 self._centre(attempt, tolerances.RECENTRED_BARRIER, unit)
@@ -232,13 +227,6 @@ class InteriorPoint:
         if attempt.by_increment:
             barrier += tolerances.BY_REACH * self.block_weight * abs(step.missing)
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
-
-    def _solved(self) -> bool:
-        """Whether the joint law itself balances here; else the step is left as it was."""
-        if self.newton(0):
-            return True
-        self.step.balance(self.step.inside)
-        return False
 
     def _try_newton(self, told: bool) -> bool:
         """Whether Newton's method finds the solution from here; else the step is left as it was.
