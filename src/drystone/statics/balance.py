@@ -1,4 +1,7 @@
-"""The equations of a static step: what is unbalanced, and the matrix that corrects it."""
+"""The equations of a static step: the unbalanced forces, and the solution of the bordered system.
+
+All kernels work on fields (n, n_dof): forces or motions of all bodies.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +14,23 @@ from drystone.common.compiled import njit
 
 
 class BodyForces(NamedTuple):
-    """Forces on the bodies, and what they are measured by; arrays are (n, n_dof)."""
+    """Forces on the bodies, with mass and size; arrays are (n, n_dof) unless said otherwise."""
 
     contact: Array  # N, N m, of contacts and ties
-    dead: Array  # N, N m
-    pattern: Array  # N, N m, of the load at multiplier one
+    dead: Array  # N, N m, dead load
+    pattern: Array  # N, N m, load pattern, at multiplier one
     mass: Array  # kg, kg m2
     extent: Array  # (n,) m, by which moments are divided
     fixed: BoolArray  # (n,)
-    left: Array  # N, N m, the unbalanced ones
+    left: Array  # N, N m, unbalanced forces
 
 
 @njit(cache=True, error_model="numpy")
 def unbalance(forces, multiplier, x, inertia_factor):
-    """Fill ``left`` of the forces with what is left of all on each block, zero on fixed ones.
+    """Fill ``left`` of the forces with the unbalanced force on each block, zero on fixed blocks.
 
-    Returns the largest force, or moment over block size [N].
+    ``x`` (n, n_dof) are the increments; ``inertia_factor`` [1/s2] times mass times increment is the
+    inertia.  Returns the largest unbalanced force, or moment over block size [N].
     """
     contact, dead, pattern, mass, extent, fixed, force = forces
     n, n_dof = x.shape
@@ -49,11 +53,12 @@ def unbalance(forces, multiplier, x, inertia_factor):
 
 @njit(cache=True, error_model="numpy")
 def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
-    """Add inertia to the diagonal blocks and a spring along ``axis`` (n, n_dof) to one of them.
+    """Add inertia and damping to the ``diagonal`` blocks (n, n_dof, n_dof), and a spring along
+    ``axis`` (n, n_dof) to the block of ``body``.
 
-    The spring, as stiff as the joints of the block that it restrains, makes the matrix regular at
-    the peak.  Inertia does not count: that of rollers is beyond all stiffness.
-    Returns its stiffness; ``body`` is -1 where there is none.
+    The spring makes the matrix regular at the peak.  It is as stiff as the joints of the body that
+    it restrains.  This stiffness is read before inertia is added, because a roller is a mass that
+    exceeds all stiffness.  Returns the stiffness of the spring; ``body`` is -1 if there is none.
     """
     n, n_dof = mass.shape
     largest = 0.0
@@ -88,11 +93,13 @@ def dot(first, second):
 
 @njit(cache=True, error_model="numpy")
 def solve_bordered(bordered, x, lag):
-    """From K'^-1 rhs to the solution of K dx - F dl = rhs, g . dx = lag, in place; returns dl.
+    """Solve K dx - F dl = rhs, g . dx = lag, from ``x`` = K'^-1 rhs (n, n_dof); returns dl.
 
-    With K' = K + k e e^T and s = e . dx:  dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.
+    ``x`` is overwritten with dx.  K' = K + k e e^T has a spring k along e.  With s = e . dx the
+    solution is dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.  dl is NaN if the system is singular.
     """
-    # Flat, so that loops are long; and all products in one, as each alone waits for its last sum.
+    # Flat arrays make loops long.  One loop forms all products, because each sum alone would wait
+    # for its last term.
     flat = x.reshape(-1)
     by_load, by_spring = bordered.columns[1].reshape(-1), bordered.columns[2].reshape(-1)
     gradient, axis = bordered.gradient.reshape(-1), bordered.axis.reshape(-1)

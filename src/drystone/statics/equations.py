@@ -1,7 +1,7 @@
 """Loads, ties and tolerances that the static steps of one stage share.
 
-They are made anew when blocks have left, when a stage of the dead loads begins, and when other
-pairs are near.  Between, all steps use them.
+They are made anew when blocks have left and when a stage of the dead loads begins.  In between, all
+steps share them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drystone.law.bonds import built_open
 from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
 
-#: Why no equilibrium can be told from others near it.
+#: The reason of a step that fails because rounding hides whether its forces balance.
 TOO_STIFF = (
     "the joints are too stiff for the blocks' weight: the rounding of a displacement, times their "
     "stiffness, exceeds the unbalanced force that may be left; lower the joint's stiffness"
@@ -32,18 +32,18 @@ TOO_STIFF = (
 class PointDisplacement:
     """The displacement c(x) of a point of one body, which a step prescribes."""
 
-    body: int  # that a spring restrains where the matrix may be singular
+    body: int  # a spring restrains it, so that the matrix is regular at the peak
     arm: Array  # (dim,) m from the centroid to the point, where the step starts
-    axis: Array  # (dim,) direction the displacement is read in
-    axes: Array  # (dim, dim) the body's principal axes there, in columns; of space only
-    increment: float  # m, by which it is to increase
+    axis: Array  # (dim,) direction of the displacement
+    axes: Array  # (dim, dim) the body's principal axes where the step starts, in columns; in space
+    increment: float  # m, by which the displacement is to increase
 
     def missing(self, x: Array) -> float:
-        """What is missing of the increment [m]."""
+        """The part of the increment [m] that is still missing at increments ``x`` (n, n_dof)."""
         return self.increment - motion.advance(self.arm, x[self.body], self.axis, self.axes)
 
     def gradient(self, x: Array) -> Array:
-        """The gradient of c, (n, n_dof)."""
+        """The gradient (n, n_dof) of c by the increments, at increments ``x`` (n, n_dof)."""
         gradient = np.zeros(x.shape)
         at = self.arm, x[self.body], self.axis, self.axes
         gradient[self.body] = motion.gradient_of_advance(*at)
@@ -52,21 +52,22 @@ class PointDisplacement:
 
 @dataclass(frozen=True, kw_only=True)
 class Accuracy:
-    """What a step is solved to, on the scales of a model."""
+    """Tolerances of a step, in the units of a model."""
 
     tolerance: float  # N, largest unbalanced force
-    rounding: float  # N/m, of a reaction, by metre of its blocks' motion: normal to the joint
-    sliding_rounding: float  # N/m, and along it, where only the motion within the step counts
-    coarsest: float  # N, largest unbalanced force that may be left to rounding
-    lag: float = tolerances.MISSING  # m, what may be missing of the increment
+    rounding: float  # N/m, rounding of a normal reaction per metre of its blocks' motion
+    sliding_rounding: float  # N/m, of a shear reaction, per metre of motion within the step
+    coarsest: float  # N, largest unbalanced force that is tolerated as rounding
+    lag: float = tolerances.MISSING  # m, of the prescribed displacement that may be missing
     depth: float  # m, penetration too small to tell two contacts apart
     pressed: float  # N, force above which a contact that was not followed is added; in space
-    farthest: float = np.inf  # m, motion of a block over which the step has failed
+    farthest: float = np.inf  # m, motion of a block above which the step has failed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Loaded:
-    """What equations are written with: loads up to a stage, without those on departed blocks."""
+    """Loads, ties and tolerances of steps: up to a stage of the dead loads, without loads on
+    departed blocks."""
 
     prepared: Prepared
     stage: int
@@ -77,7 +78,8 @@ class Loaded:
 
     @classmethod
     def of(cls, prepared: Prepared, stage: int, departed: BoolArray, tolerance: float) -> Loaded:
-        """Those of a stage, without the blocks that are ``departed`` (n,)."""
+        """Make them for a stage, without the blocks that are ``departed`` (n,); ``tolerance`` is
+        the unbalanced force over the heaviest weight."""
         bars = prepared.bars
         return cls(
             prepared=prepared,
@@ -90,7 +92,8 @@ class Loaded:
 
 
 def accuracy_of(prepared: Prepared, tolerance: float) -> Accuracy:
-    """What steps are solved to; how far a block may move is for each to say."""
+    """The tolerances of steps, but for the farthest motion, which each step sets; ``tolerance`` is
+    the unbalanced force over the heaviest weight."""
     assembly, laws = prepared.assembly, prepared.laws
     scale = assembly.heaviest_weight
     # Stiffness [N/m] of a joint as long as the smallest block, of the stiffest law.
@@ -98,9 +101,9 @@ def accuracy_of(prepared: Prepared, tolerance: float) -> Accuracy:
         float(laws[:, column].max()) * assembly.smallest_extent * assembly.thickness
         for column in (KN, KS)
     )
-    #: Of designed gaps [m], which are differences of coordinates.
+    #: Rounding of designed gaps [m], which are differences of coordinates.
     of_gaps = 2.0 * 4.0 * np.finfo(float).eps * float(np.ptp(assembly.centroid, axis=0).max())
-    rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions that it is a sum of
+    rounding = 4.0 * np.finfo(float).eps  # of a gap, over the motions whose sum it is
     return Accuracy(
         tolerance=tolerance * scale,
         rounding=rounding * stiffest,
@@ -112,7 +115,8 @@ def accuracy_of(prepared: Prepared, tolerance: float) -> Accuracy:
 
 
 def sinking(prepared: Prepared, loads: LoadArrays) -> float:
-    """By how much the top of a column as high as the structure sinks in its soft joints [m]."""
+    """Displacement [m] of the top of a column as high as the structure under its dead load, with
+    the softest joint law."""
     assembly = prepared.assembly
     free = ~assembly.fixed
     area = assembly.smallest_extent * assembly.thickness
@@ -122,18 +126,20 @@ def sinking(prepared: Prepared, loads: LoadArrays) -> float:
 
 
 def first_branches(prepared: Prepared, pairs: Pairs, slots: Slots) -> IntArray:
-    """Contacts that touch stick, by a bond where there is one; (n_slots,)."""
+    """Branches (n_slots,) before the first step: contacts that touch stick, and are bonded if they
+    have a bond."""
     laws = prepared.laws[pairs.law_of_slot]
     bonded = (laws[:, COHESION] > 0.0) | (laws[:, TENSION] > 0.0)
     touching = np.where(bonded, BONDED, STICKING)
     bonded = bonded | prepared.strengths.bonded[pairs.law_of_slot]
-    # Weight presses on joints that lie.  Those that stand are shut, and carry by a bond only.
+    # Weight presses on bed joints.  Head joints are shut, but carry only by a bond.
     touches = (np.abs(slots.normal @ prepared.assembly.up) > tolerances.LIES) | bonded
     return np.where(touches & ~_apart(prepared, slots), touching, OPEN)
 
 
 def first_history(prepared: Prepared, slots: Slots) -> Array:
-    """Nothing but that joints which are open when built have no bond; (n_slots, n_history)."""
+    """History (n_slots, N_HISTORY + dim - 2) before the first step: zeros, except that joints which
+    are built open have no bond."""
     history = np.zeros((len(slots.kind), N_HISTORY + slots.dim - 2))
     history[_apart(prepared, slots), BROKEN] = 1.0
     return history

@@ -5,11 +5,11 @@ The unknowns of a step are the increments x of the poses and the multiplier.  Th
     R(x, lambda) = 0,    c(x) = Delta
 
 with the unbalanced forces R of `statics.static_step`, evaluated where the step ends, and c the
-prescribed displacement.  In the plane the changes of contacts are followed first
-(`statics.plane.piecewise`); otherwise, and in space, an interior-point method finds them
-(`statics.interior`).  The time step in R is so long that inertia only regularises the matrix where
-blocks are loose.  With a short time step, a step says where inertia takes blocks that have no
-equilibrium nearby.
+prescribed displacement.  In the plane, the changes of contacts are followed first
+(`statics.plane.piecewise`).  In space, or if that fails, an interior-point method finds them
+(`statics.interior`).  The time step in R is so long that inertia only regularises the matrix if
+blocks are loose.  If there is no equilibrium nearby, a step with a short time step shows where
+inertia takes the blocks.
 """
 
 from __future__ import annotations
@@ -70,56 +70,55 @@ from drystone.statics.static_step import StaticStep, StepSolution
 
 @dataclass(frozen=True, kw_only=True)
 class EquilibriumSettings:
-    """Numerical settings; none changes what the solution is, but to within its tolerance.
+    """Numerical settings.  None of them changes the solution by more than its tolerance.
 
     Times and lengths in them are those of the structure's own frame, where the smallest block
     measures 0.175 m, so that they mean the same for every structure; see `engines.frame`.
     """
 
-    #: Largest unbalanced force over the heaviest weight, -: what is promised, and a thousand times
-    #: the rounding of the sums that make it up.
+    #: Largest unbalanced force over the heaviest weight, -.  It is a thousand times the rounding of
+    #: the sums from which it is calculated.
     tolerance: float = tolerances.BALANCE
     #: Time step of a static step [s]: the inertia of a step of 1 mm is then 1e-7 of a weight.
     static_time_step: float = tolerances.STATIC_TIME_STEP
-    #: Farthest motion of a block in one step over the smallest block, -: beyond it, contacts that
-    #: the step has not looked for could be made.
+    #: Farthest motion of a block in one step over the smallest extent, -.  If a block moved
+    #: farther, it could meet blocks that the step has not looked at.
     max_motion: float = tolerances.MOST_MOTION
-    #: Inertia, -, above which a point is dynamic: of all blocks over the applied force, and of any
-    #: block over its weight.
+    #: Inertia, -, above which a point is dynamic: the inertia of all blocks over the applied force,
+    #: or that of any block over its weight.
     inertia_limit: float = tolerances.STATIC_INERTIA
     solution: SolutionSettings = field(default_factory=SolutionSettings)
 
 
 @dataclass(frozen=True, kw_only=True)
 class EquilibriumState:
-    """Poses, joint history and what the next step is predicted from."""
+    """Poses, histories of joints, and what the next step is predicted from."""
 
     prepared: Prepared
     stage: int  # of the dead loads, see `Problem.stages`
-    pose: Array  # (n, n_dof) m, rad
+    pose: Array  # (n, n_pose) m, rad
     multiplier: float
     pairs: Pairs
-    paired_at: Array  # (n, n_pose) where these were found, or found to be all once more
+    paired_at: Array  # (n, n_pose) where the pairs were found, or last found to be complete
     slots: Slots  # contacts in `pose`
     history: Array  # (n_slots, N_HISTORY + dim - 2)
     reaction: Array  # (n_slots, dim) N
     branch: IntArray  # (n_slots,) of the joint law, see `law.branches`
-    last_increment: Array  # (n, n_dof) m, rad; zeros where there is nothing to predict from
+    last_increment: Array  # (n, n_dof) m, rad; zeros if there is nothing to predict from
     margin: Array  # (n_slots + n_ties,) of bonds, see `law.bonds`, and ties
-    due: IntArray  # rows of those that break next
+    due: IntArray  # rows of `margin` of the bonds and ties that break next
     departed: BoolArray  # (n,) blocks that have left
     ties: TieState
     support_motion: float = 0.0  # m or rad, by which supports have moved
-    last_support_motion: float = 0.0  # in the last step
-    kept: IntArray | None = None  # (n_pairs,) steps for which features stay; of the plane
-    slope: float = np.nan  # 1/m, of the curve, where it is known
-    softened: bool = False  # whether joints soften, and the slope is with that
-    # Of space:
-    tangent: Array | None = None  # (n, n_dof) per m of the control displacement
-    curvature: Array | None = None  # (n, n_dof) likewise, of the tangent in the last step
+    last_support_motion: float = 0.0  # the same in the last step
+    kept: IntArray | None = None  # (n_pairs,) steps for which features stay; in the plane only
+    slope: float = np.nan  # 1/m, of the curve, if it is known
+    softened: bool = False  # whether joints soften, and the slope allows for that
+    tangent: Array | None = None  # (n, n_dof) per m of the control displacement, if it is known
+    curvature: Array | None = None  # (n, n_dof) per m2, change of the tangent in the last step
     unstable: int = 0  # unstable equilibria in a row, this one included
     in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
-    acted: ActedContacts | None = None
+    acted: ActedContacts | None = None  # contacts whose reactions are in balance
 
 
 def _curvature(before: Array | None, after: Array | None, increment: float | None) -> Array | None:
@@ -130,8 +129,11 @@ def _curvature(before: Array | None, after: Array | None, increment: float | Non
 
 
 def _along(state: EquilibriumState, demand: Demand, guess: Array) -> Array | None:
-    """The increments (n, n_dof) of a step that follows the curve: along its tangent; or, where
-    supports move, those of the last step, which are the ``guess``; None where there is neither."""
+    """The increments (n, n_dof) of a step along the curve; None if they are not known.
+
+    They follow the tangent.  If supports move, they are those of the last step, which are the
+    ``guess`` (n, n_dof).
+    """
     if demand.increment and state.tangent is not None:
         return demand.increment * state.tangent
     return guess if demand.settlement and state.last_support_motion else None
@@ -144,8 +146,11 @@ def _begins(
     guess: Array,
     along: Array | None,
 ) -> StepStart:
-    """Where a step from a state begins; it may end near a ``guess``, along the tangent, if that is
-    known, and by its curvature, if that is."""
+    """Where a step from a state begins.
+
+    It may end near the ``guess`` (n, n_dof), near ``along`` (n, n_dof) if the tangent is known, and
+    near a parabola if the curvature is known too.
+    """
     guesses = [guess]
     if along is not None and increment is not None:
         guesses.append(along)
@@ -163,9 +168,10 @@ def _begins(
 
 
 def _to_leave(state: EquilibriumState) -> int:
-    """Unstable equilibria in a row that the structure would leave.
+    """Number of unstable equilibria in a row that the structure would leave.
 
-    None where joints are crushed, as they unload at once: modes of the tangent are of one sense.
+    It is zero for structures whose joints may be crushed.  A crushed joint is stiffer as soon as it
+    unloads, so that a mode of the tangent holds in one sense only.
     """
     return 0 if crushes(state.prepared.assembly.laws) else state.unstable
 
@@ -190,14 +196,14 @@ class EquilibriumEngine(Engine[EquilibriumState]):
 
     def __init__(self, settings: EquilibriumSettings | None = None) -> None:
         self.settings = settings or EquilibriumSettings()
-        #: Equations of the last step, which the next one is written in where they fit its state.
+        #: Equations of the last step, which the next step uses again if they fit its state.
         self.last: StaticStep | None = None
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
-        """A step is to turn a mechanism by about 1 in 500, whatever its height.
+        """A step should turn a mechanism by about 1 in 500, whatever its height.
 
-        It grows where its iterations were no more than a step has where a shorter one may be tried
-        instead: with more, a longer one would fail.
+        Steps grow after a step that took at most `InteriorSettings.few_iterations`.  A step that
+        takes more would fail without a full search, and a longer one more so.
         """
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
@@ -212,7 +218,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return (Prepared.of(problem, self),)
 
     def start(self, problem: Problem) -> tuple[EquilibriumState, StepReport]:
-        """Find the equilibrium under the dead load, stage by stage; raises `UnstableError`."""
+        """Find the equilibrium under the dead load, stage by stage; raises `UnstableError` if there
+        is none."""
         (prepared,) = self.derived(problem)
         assembly, detector, bars = prepared.assembly, prepared.detector, prepared.bars
         pose = assembly.design_pose()
@@ -241,8 +248,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return state, outcome
 
     def _apply_dead_load(self, state: EquilibriumState) -> tuple[EquilibriumState, StepReport]:
-        """Equilibrium under the dead load by pseudo-transient steps: a short one, then longer ones,
-        or shorter ones where they fail."""
+        """Find the equilibrium under the dead load by pseudo-transient steps.
+
+        The first time step is short.  Time steps grow, and become shorter again if a step fails.
+        """
         h, limit = tolerances.DEAD_LOAD_STEP, self.settings.static_time_step
         farthest = state.prepared.assembly.smallest_extent + 4.0 * sinking(
             state.prepared, self.equations_of(state).loads
@@ -268,20 +277,19 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         raise UnstableError(unstable_sentence(state.prepared.problem, moved_by, state.stage))
 
     def _at_rest(self, outcome: StepReport) -> bool:
-        """Whether a step ended at rest: the structure, and each block, which may be a small part of
-        it."""
+        """Whether a step ended at rest: the structure as a whole, and each block for itself."""
         return max(outcome.inertia_ratio, outcome.acceleration) <= self.settings.inertia_limit
 
     @staticmethod
     def _missed(before: EquilibriumState, after: EquilibriumState) -> bool:
-        """Whether blocks overlap that were no pair before pairs were found anew."""
+        """Whether blocks overlap that were no pair before the pairs were found anew."""
         if after.pairs is before.pairs:
             return False
         new = predecessor_pairs(before.pairs, after.pairs) < 0
         return bool((after.slots.gap[new[after.pairs.of_slot]] < 0.0).any())
 
     def contacts(self, state: EquilibriumState) -> ContactForces:
-        """Contact points and reactions of a state: those that are in balance."""
+        """Contact points and reactions of a state: those which balance the loads."""
         these = state.acted or self._acted(state)
         return state.prepared.detector.forces(
             these.pairs, state.pose, these.slots, these.reaction, these.status
@@ -319,7 +327,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         else:
 
             def solve(state: EquilibriumState, share: float) -> tuple[EquilibriumState, StepReport]:
-                # Bonds that break in the step are taken out where it begins: by the pairs there.
+                # Bonds that break in the step are taken out where it begins, so the step keeps the
+                # pairs that it begins with.
                 return self._step_of_pairs(state, demand, farthest)
 
             new, outcome = self._bonds(state.prepared, solve).again(state)
@@ -339,7 +348,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             else:
                 return self._step(state, demand, farthest)
             new, report = self._step(state, part, farthest)
-            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+            if share == 0.0 and report.converged:  # motion by a break does not predict what follows
                 new = replace(new, last_increment=state.last_increment)
             return new, report
 
@@ -360,7 +369,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         )
 
     def _broken(self, state: EquilibriumState, due: IntArray) -> EquilibriumState:
-        """The state without the bonds of some slots, and past what ties were due for."""
+        """The state without the bonds that are ``due``, rows of `EquilibriumState.margin`, and with
+        the ties that are due past their events."""
         n_slots = len(state.reaction)
         slots = due[due < n_slots]
         if len(slots) < len(due):
@@ -380,7 +390,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return replace(state, history=history, branch=branch, margin=margin, due=nothing)
 
     def _drop_departed(self, state: EquilibriumState) -> EquilibriumState:
-        """Take out blocks that have left; no force on the others changes."""
+        """Take out blocks that have left the structure; forces on the others do not change."""
         prepared, loads = state.prepared, self.equations_of(state).loads
         left = departing(
             prepared.problem, prepared.detector, loads, state.pose, state.multiplier,
@@ -402,7 +412,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _step_of_pairs(
         self, state: EquilibriumState, demand: Demand, farthest: float
     ) -> tuple[EquilibriumState, StepReport]:
-        """The same with the pairs of the state where it begins."""
+        """The same, but the state at the end keeps the pairs of the state at the start."""
         own = self.equations_of(state)
         own.accuracy = changed(own.loaded.accuracy, farthest=farthest)
         prescribed = self._prescribed(state, demand)
@@ -426,8 +436,10 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _with_new_pairs(
         self, state: EquilibriumState, ended: EquilibriumState, outcome: StepReport
     ) -> tuple[EquilibriumState, StepReport]:
-        """The end of a step with new pairs, where the blocks have moved far; it has failed where
-        some overlap that were no pair."""
+        """The end of a step with new pairs, if the blocks have moved far.
+
+        The step has failed if blocks overlap that were no pair.
+        """
         if not outcome.converged:
             return ended, outcome
         new = self._refresh(ended)
@@ -500,17 +512,17 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         )
 
     def _refresh(self, state: EquilibriumState) -> EquilibriumState:
-        """New pairs where the blocks have moved far."""
+        """The state with pairs found anew, if the blocks have moved far."""
         detector = state.prepared.detector
         if not detector.outdated(state.paired_at, state.pose):
             return state
         pairs = detector.pairs(state.pose, state.departed)
         if np.array_equal(pairs.which, state.pairs.which):
-            return changed(state, paired_at=state.pose)  # the equations of these go on to fit
+            return changed(state, paired_at=state.pose)  # so that the same equations still fit
         return self._paired(state, state.departed, pairs)
 
     def equations_of(self, state: EquilibriumState) -> StaticStep:
-        """The equations that fit a state: those of the last step, or new ones."""
+        """The equations that fit a state: those of the last step if possible, else new ones."""
         last, prepared = self.last, state.prepared
         old = last.loaded if last is not None and last.loaded.prepared is prepared else None
         same = old is not None and old.stage == state.stage
@@ -528,7 +540,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """The state with new pairs, without the blocks that are ``departed``."""
         detector = state.prepared.detector
         heirs = handed_on(detector.narrow, self._past(state), pairs, former=state.pairs)
-        in_space = state.slots.dim == 3  # in the plane the same contacts are found in this place
+        in_space = state.slots.dim == 3  # in the plane, the same pose gives the same contacts
         slots = detector.find(pairs, state.pose, heirs.slots if in_space else None)
         if in_space:
             heirs = handed_on(detector.narrow, heirs, pairs, slots)
@@ -566,8 +578,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         )
 
     def _axes_of(self, state: EquilibriumState, block: int) -> Array:
-        """Principal axes of a block in a pose, (dim, dim) in columns; in the plane as designed,
-        as no one asks for them."""
+        """Principal axes of a block in the pose of a state, (dim, dim) in columns; in the plane as
+        designed, because they are not used there."""
         designed: Array = state.prepared.assembly.axes[block]
         if len(designed) == 2:
             return designed
@@ -579,7 +591,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _predict(
         self, state: EquilibriumState, demand: Demand, prescribed: PointDisplacement | None
     ) -> tuple[Array, float]:
-        """Where the step will end, and the multiplier it starts from.
+        """The increments (n, n_dof) that the step is expected to have, and the multiplier at its
+        start.
 
         The last increments, rotated with the blocks, are continued if they had the same sense.
         """
@@ -602,11 +615,11 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _move_supports(
         self, own: StaticStep, state: EquilibriumState, demand: Demand, guess: Array
     ) -> Array:
-        """Give the equations the increments (n, n_dof) of supports that move; the guess with
-        them."""
+        """Give the equations the prescribed increments of supports; returns the ``guess``
+        (n, n_dof) with them."""
         problem, given = state.prepared.problem, own.given
         if problem.settlement is None:
-            return guess  # and given is nothing, from the start
+            return guess  # no support moves, so `given` is zero from the start
         given[:] = 0.0
         if not demand.settlement:
             return guess
@@ -615,7 +628,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         return np.where(np.any(given, axis=1, keepdims=True), given, guess)
 
     def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
-        """The last increments, in proportion to the motion of the supports."""
+        """The last increments (n, n_dof), in proportion to the ``amount`` by which supports move
+        [m or rad]; zeros if they did not move in the last step."""
         if not state.last_support_motion:
             return state.prepared.assembly.no_motion()
         return amount / state.last_support_motion * state.last_increment
@@ -628,7 +642,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         h: float,
         demand: Demand,
     ) -> tuple[EquilibriumState, StepReport]:
-        """The state that a step has led to, and its figures."""
+        """The state that a step has led to, and its report; ``h`` is the time step [s]."""
         judged, then = self._ended(own, state)
         slots, prepared = own.found.copied(), state.prepared
         past, bears = self._past(then), prepared.strengths.bears
@@ -681,8 +695,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def _ended(
         self, own: StaticStep, state: EquilibriumState
     ) -> tuple[JudgedContacts, EquilibriumState]:
-        """The contacts that a step was solved with, where it has ended: as they are judged, and in
-        the state that it started from."""
+        """The contacts that a step was solved with, at its end: as the certificate judges them, and
+        as part of the state at the start."""
         history = own.finish()
         ended = changed(
             state,
@@ -703,7 +717,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         demand: Demand,
         lost_shear: float,
     ) -> StepReport:
-        """Figures and certificate of the step that has led to a state from rest, in time h [s]."""
+        """Figures and certificate of the step that has led to the state ``new`` from rest within
+        ``h`` [s]."""
         x, contact_force = new.last_increment, own.contact_force
         loads = own.loads.near(new.pose, new.multiplier)
         acceleration = x / h**2

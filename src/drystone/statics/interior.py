@@ -1,17 +1,17 @@
 """An interior-point method for a static step from one equilibrium to the next.
 
-The barrier smooths the joint law (`law.cones`): with a large barrier every contact sticks, slides
-and opens a little, and as the barrier is reduced each contact comes to one state.  Gaps and
-gradients are computed anew in every iteration.  A predictor without a barrier tells by how much the
-barrier can be reduced; its second-order terms are used if it leads far.
+The barrier smooths the joint law (`law.cones`).  With a large barrier every contact sticks, slides
+and opens a little.  As the barrier is reduced, each contact comes to one state.  Gaps and gradients
+are computed anew in every iteration.  A predictor without a barrier shows by how much the barrier
+can be reduced; its second-order terms are used if it leads far.
 
-A slip that changes its direction would stop the iterations at the cone's boundary.  So contacts may
-leave their friction cones within a neighbourhood of the central path.  They are then projected
-back, centred on the trial reactions at their new place.
+If the direction of a slip changes, the iterations would stop at the boundary of the friction cone.
+So contacts may leave their cones within a neighbourhood of the central path.  They are then
+projected back, centred on the trial reactions at their new place.
 
 Every few iterations, and at the end, Newton's method on the joint law itself is tried.  It is exact
-where the branches are those of the solution.  Where contacts change their state as the tangent of
-the curve says, or not at all, Newton's method alone leads from one equilibrium to the next.
+if all contacts are in the branches of the solution.  If contacts change their state as the tangent
+of the curve predicts, or not at all, Newton's method alone leads from one equilibrium to the next.
 """
 
 from __future__ import annotations
@@ -34,58 +34,62 @@ class InteriorSettings:
     """Settings of the interior-point method; its other constants are in `common.tolerances`.
 
     Energies are those of one contact, over the energy that the weight of a mean block stores in a
-    contact.  Forces are over that weight.
+    contact.  Forces are over the weight of a mean block.
     """
 
-    #: First barrier; and what is added to it, over the square of the unbalanced force at the start:
-    #: with less, contacts that are far from their final state shorten the iterations to nothing.
+    #: First barrier; and the least first barrier, over the square of the unbalanced force at the
+    #: start.  With less, contacts that are far from their final state would make the steps of the
+    #: iterations very short.
     barrier: float = tolerances.FIRST_BARRIER
     unbalanced: float = tolerances.BY_UNBALANCED
-    #: Most iterations; most where a shorter step may be tried instead; iterations within which the
-    #: energy must halve.
+    #: Largest number of iterations in a full search; the same if a shorter step may be tried
+    #: instead; iterations within which the energy must halve.
     max_iterations: int = 120
     few_iterations: int = 60
     patience: int = 40
     #: Energy below which the branches of contacts can be told.
     enough: float = tolerances.TELLS
-    #: Newton's method is tried every so many iterations; iterations that it has there, and at the
-    #: start of a step.
+    #: Iterations between two trials of Newton's method; its largest number of iterations in such a
+    #: trial; the same at the start of a step.
     newton_every: int = 16
     newton_iterations: int = 6
     warm_iterations: int = 12
-    #: Damping [1/s2], times the mass, where there are unstable directions.
+    #: Damping [1/s2], times the mass, if there are unstable directions.
     damping: float = tolerances.DAMPING
-    #: Damping [1/s2] above which a part counts as unsupported.  A shorter step is then tried, if
-    #: one may be.
+    #: Damping [1/s2] above which a part of the structure counts as unsupported.  A shorter step is
+    #: then tried, if that is allowed.
     lost: float = tolerances.LOST_SUPPORT
 
 
-#: Iterations of the last attempt.
+#: Largest number of iterations of the last attempt.
 SLOW_ITERATIONS = 200
 
-#: Iterations in a row without progress after which contacts are centred anew, and how often.
+#: Iterations in a row without progress after which contacts are centred anew; and how often they
+#: are.
 STALLED, RECENTRED = 4, 4
 
-#: Iterations within which Newton's method must have gained, where it is tried between others and
-#: where it begins; and iterations after which it is tried again where the branches can be told.
+#: Iterations within which Newton's method must have reduced the unbalanced force: between
+#: iterations of the interior-point method, and at the start of a step.  Then: iterations after
+#: which it is tried again if the branches can be told.
 NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class Attempt:
-    """Where the interior-point method begins, and how long it has."""
+    """One attempt of the interior-point method: its first barrier, and its limits."""
 
     barrier: float  # over the energy of a mean block's weight
-    by_residual: bool = False  # more of it where much is unbalanced
-    by_increment: bool = False  # more of it for a long step
-    second: bool = True
-    iterations: int = 60
-    least_damping: float = 0.0  # see `lu_numeric.factorise`
-    soon: bool = False  # whether it is given up where a part is unsupported
+    by_residual: bool = False  # whether the barrier grows with the unbalanced force
+    by_increment: bool = False  # whether the barrier grows with the length of the step
+    second: bool = True  # whether second-order terms of the predictor are used
+    iterations: int = 60  # largest number
+    least_damping: float = 0.0  # 1/s2, see `lu_numeric.factorise`
+    soon: bool = False  # whether the attempt is given up if a part is unsupported
 
 
 class InteriorPoint:
-    """Finds where a step of one `StaticStep` ends; state is all the step's."""
+    """Finds where a step of one `StaticStep` ends.  All its variables are those of the step, but
+    for the count of iterations."""
 
     def __init__(self, step: StaticStep, settings: InteriorSettings) -> None:
         self.step, self.settings = step, settings
@@ -98,7 +102,8 @@ class InteriorPoint:
     def newton(self, iterations: int, *, patience: int = 100, gain: float = 1.0) -> bool:
         """Iterate on the joint law itself; whether that ends in an equilibrium.
 
-        It is given up where the unbalanced force has not come down by ``gain`` in ``patience``.
+        The iteration is given up if ``patience`` iterations have not reduced the unbalanced force
+        by the factor ``gain``.
         """
         step = self.step
         first = best = math.inf
@@ -120,10 +125,10 @@ class InteriorPoint:
     def newton_along(self, guess: Array, tangent_motion: Array, multiplier: float) -> bool:
         """Newton's method from a ``guess``; whether that leads to an equilibrium.
 
-        Each contact is at first in the branch that the motion along the tangent leads to.  Guess
-        and motion are increments (n, n_dof).  The error of a guess strains a stiff joint by more
-        than it carries, so that branches at the guess say nothing.  Along the tangent the trial
-        reactions are exact to first order.
+        The first branch of each contact is the one to which the motion along the tangent leads.
+        The branches at the guess would say nothing, because the error of the guess strains a stiff
+        joint by more than the joint carries.  Along the tangent, the trial reactions are exact to
+        first order.  Guess and motion are increments (n, n_dof).
         """
         step, n = self.step, self.step.n
         step.restart(np.zeros_like(guess), multiplier)
@@ -143,12 +148,13 @@ class InteriorPoint:
         return self.newton_from_start()
 
     def newton_from_start(self) -> bool:
-        """Newton's method as a step begins; whether that ends in an equilibrium."""
+        """Newton's method at the start of a step; whether that ends in an equilibrium."""
         most = self.settings.warm_iterations
         return self.newton(most, patience=WARM_PATIENCE, gain=tolerances.WARM_GAIN)
 
     def _newton_step(self) -> bool:
-        """One iteration of Newton's method with the present responses; whether it has moved."""
+        """One iteration of Newton's method with the present responses; False if the stiffness is
+        singular."""
         step = self.step
         self.iterations += 1
         by_multiplier, length = step.aim(), self._limit_rotation(1.0)
@@ -159,7 +165,7 @@ class InteriorPoint:
         return True
 
     def _limit_rotation(self, length: float) -> float:
-        """A ``length`` of the direction, or as much of it as rotates no body too far."""
+        """The ``length`` to go along the direction, shortened so that no body rotates too far."""
         most = float(np.abs(rotations(self.step.bordered.columns[0])).max())
         if not most < math.inf:
             return 0.0
@@ -215,7 +221,7 @@ class InteriorPoint:
         return False
 
     def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
-        """Centre the contacts where the step is, with a ``barrier`` over the energy ``unit``
+        """Centre the contacts where the step is, with a ``barrier`` in units of the energy ``unit``
         [J]."""
         step, settings, n = self.step, self.settings, self.step.n
         barrier *= unit
@@ -229,10 +235,10 @@ class InteriorPoint:
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _try_newton(self, told: bool) -> bool:
-        """Whether Newton's method finds the solution from here; else the step is left as it was.
+        """Whether Newton's method finds the solution from here; if not, the step is left as it was.
 
-        Where the branches of contacts can be ``told``, a few of them change still, and the
-        unbalanced force rises while they do: it has all its iterations there.
+        If the branches of contacts can be ``told``, a few of them still change, and the unbalanced
+        force rises meanwhile.  So Newton's method then has all its iterations.
         """
         step = self.step
         x, multiplier, damping = step.x.copy(), step.multiplier, step.damping.copy()
@@ -248,8 +254,8 @@ class InteriorPoint:
     def _descend(self, attempt: Attempt, energy: float) -> float:
         """Predictor and corrector with one factorisation.
 
-        Returns the length of the corrector that was taken, at most 1, or not a number if there is
-        none.
+        ``energy`` [J] is that of one contact.  Returns the length of the corrector that was taken,
+        at most 1, or NaN if there is none.
         """
         step, settings, n = self.step, self.settings, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
@@ -268,7 +274,7 @@ class InteriorPoint:
         share = 0.0
         if energy > 0.0:
             most = tolerances.MOST_REDUCTION
-            left = min(reachable / energy, 1.0)  # beyond that the largest share is taken
+            left = min(reachable / energy, 1.0)  # larger values would give the same share
             share = min(max(left**3, tolerances.LEAST_REDUCTION), most)
         second = attempt.second and far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
@@ -288,7 +294,12 @@ class InteriorPoint:
         return far
 
     def _direction(self, barrier: float, missing: float, *, second: bool) -> float:
-        """Fill the first column and the changes; returns that of the multiplier."""
+        """Fill the first column with the direction of the bodies, and `change` with the changes of
+        the contacts' variables; returns the change of the multiplier.
+
+        ``barrier`` [J] is the one aimed at; ``missing`` [m] is the prescribed displacement along
+        the direction.
+        """
         step, n = self.step, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         scaling, trial, reaction = step.scaling[:n], step.trial[:n], step.reaction[:n]
@@ -311,7 +322,7 @@ class InteriorPoint:
         return by_multiplier
 
     def _length(self, radius: float, slip_radius: float) -> float:
-        """Length for which every contact stays in a neighbourhood of the central path.
+        """Length along the direction for which every contact stays near the central path.
 
         ``radius`` and ``slip_radius`` [J] are the barriers that set the size of the neighbourhood,
         for normal reactions and for the direction of slip.

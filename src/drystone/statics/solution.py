@@ -1,6 +1,6 @@
 """A static step as a whole: the methods that are tried, and the report.
 
-A step may also find an unstable equilibrium, see `statics.stability`, and its report says so.
+A step may also end at an unstable equilibrium.  Its report then says so; see `statics.stability`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from drystone.statics.shape import shape_between
 from drystone.statics.stability import Judged, StabilitySettings, growing, judge
 from drystone.statics.static_step import StaticStep, StepSolution
 
-#: How far from an unstable equilibrium a stable one is looked for, over the smallest extent.
+#: Distances from an unstable equilibrium at which a stable one is looked for, over the smallest
+#: extent.
 DEPARTURES = np.geomspace(tolerances.LEAST_DEPARTURE, tolerances.MOST_DEPARTURE, 7)
 
 
@@ -40,20 +41,23 @@ class SolutionSettings:
 
     #: Times that the contacts of a step are updated and the step is solved again.
     contact_updates: int = 3
-    #: Whether linear pieces are followed where there are any, and how long.
+    #: How long linear pieces are followed, which exist in the plane only; None: they are not.
     path: PathSettings | None = field(default_factory=PathSettings)
     interior: InteriorSettings = field(default_factory=InteriorSettings)
     stability: StabilitySettings = field(default_factory=StabilitySettings)
 
 
 class _Solver(InteriorPoint):
+    """The interior-point method and Newton's method, tried in an order that fits the step."""
+
     def find(
         self, guess: Array, multiplier: float, *, warm: bool, full_search: bool, follows: bool
     ) -> bool:
-        """Find an equilibrium from a guess, near or far; whether there is one.
+        """Find an equilibrium from a ``guess`` (n, n_dof); whether one has been found.
 
-        A step with a prescribed displacement has one attempt.  Without a ``full_search`` the
-        attempt is short.
+        With ``warm``, Newton's method is tried first, because the guess is near.  A step that
+        ``follows`` a curve has one attempt of the interior-point method, as has a step with a
+        prescribed displacement.  Without a ``full_search`` the attempt is the only one, and short.
         """
         step, s = self.step, self.settings
         if warm:
@@ -66,7 +70,7 @@ class _Solver(InteriorPoint):
         if self.interior(first):
             return True
         if follows or not full_search or step.prescribed is not None:
-            return False  # what is not found so is tried in motion, or shorter
+            return False  # a shorter step, or a step in motion, is tried instead
         step.restart(guess, multiplier)
         if self.interior(replace(first, least_damping=tolerances.LEAST_DAMPING)):
             return True
@@ -81,8 +85,8 @@ class _Solver(InteriorPoint):
         )
 
     def update_contacts(self, most: int) -> bool:
-        """Solve again where blocks press each other at contacts that were not followed; whether an
-        equilibrium is found."""
+        """Solve again, at most ``most`` times, while blocks press each other at contacts that were
+        not followed; whether an equilibrium is found."""
         step = self.step
         for _ in range(most):
             x, multiplier = step.x.copy(), step.multiplier
@@ -98,18 +102,21 @@ class _Solver(InteriorPoint):
 
 
 def _due(times: int) -> bool:
-    """Whether to try what has not succeeded in so many steps in a row: at once, and after 1, 2, 4,
-    8, ... of them."""
+    """Whether to try again what has failed so many ``times`` in a row: after 0, 1, 2, 4, 8, ...
+    failures."""
     return times & (times - 1) == 0
 
 
 def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
-    """A stable equilibrium beside the unstable one that the step is at, to either side of it by its
-    growing mode; None where there is none, and the step is then left anywhere.
+    """Find a stable equilibrium beside the unstable one that the step is at.
 
-    A structure with two ways to go, as a portal of which either pier may tilt, or a column on its
-    diagonal, has an equilibrium between them, which no structure stays in.  Which way it goes is of
-    its imperfections: of two it is taken to go where it carries less.
+    It is looked for on both sides, along the growing mode.  Returns None if there is none; the
+    poses of the step are then arbitrary.
+
+    A structure may have two ways to go: either pier of a portal may tilt, or a column may turn to
+    either side of its diagonal.  The equilibrium between the two is unstable, and no structure
+    stays in it.  Imperfections decide which way a structure goes.  If both ways lead to an
+    equilibrium, the one that carries less is taken.
     """
     step = solver.step
     way, x, multiplier = growing(step, settings.stability), step.x.copy(), step.multiplier
@@ -138,26 +145,26 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
 
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
-    """Where a step begins, and what is known of the one before."""
+    """Where a step begins, and what is known from the steps before."""
 
     guesses: Sequence[Array]  # increments (n, n_dof) near which the step may end
-    multiplier: float  # without a prescribed displacement, the one that is asked for
+    multiplier: float  # at the start; without a prescribed displacement, the one asked for
     reaction: Array  # of all contacts, (n_slots, dim) [N]
-    along: Array | None = None  # (n, n_dof), one of them: that along the curve, if it is known
+    along: Array | None = None  # (n, n_dof) the increments along the curve, if they are known
     repeats: bool = False  # whether the guess is where the step ended with other strengths
     slope: float = math.nan  # 1/m, of the curve, if it is known
-    unstable: int = 0  # unstable equilibria in a row, that at the start included
+    unstable: int = 0  # unstable equilibria in a row, the one at the start included
     in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Followed:
-    """What following the linear pieces has come to."""
+    """Outcome of following the linear pieces."""
 
     solution: StepSolution | None = None  # None: another method is to be tried
     fold: Fold | None = None
-    full_search: bool
-    at_last: Callable[[], StepSolution] | None = None  # to be tried where nothing else succeeds
+    full_search: bool  # whether the other method is to search in full
+    at_last: Callable[[], StepSolution] | None = None  # to be tried if nothing else succeeds
 
 
 def solve(
@@ -171,10 +178,12 @@ def solve(
 ) -> StepSolution:
     """Solve a step that has begun; its equations are left evaluated at the solution.
 
+    A step that fails returns a solution with a ``reason``.
+
     Parameters
     ----------
     dynamic
-        Whether the step is one in time, in which inertia regularises what is not stable.
+        Whether the step is a step in time, in which inertia regularises unstable directions.
     full_search
         Whether more than the first method is tried.
     beyond
@@ -200,18 +209,18 @@ def solve(
 def _follow(
     step: PlaneStep, start: StepStart, settings: PathSettings, *, whole: bool, full_search: bool
 ) -> _Followed:
-    """Follow the linear pieces of a step."""
+    """Follow the linear pieces of a step, and choose what is to be tried if that fails."""
     prescribed = step.prescribed
     follow = partial(
         piecewise.follow, step, start.guesses[0], start.multiplier, start.reaction, settings
     )
     solution = follow(whole=whole)
-    # A fold says that there is no equilibrium ahead: what follows is motion.
+    # At a fold there is no equilibrium ahead: the structure goes on in motion.
     folded = solution.reason == piecewise.TURNS_BACK and prescribed is not None
     if not solution.reason or folded or solution.reason == TOO_STIFF:
         return _Followed(solution=solution, full_search=full_search)
     step.again()
-    # A shorter step is followed for less than a long search costs, unless it is as long a path.
+    # A shorter step costs less than a full search, unless its path has as many changes.
     given_up, at_last = solution.reason == piecewise.MANY_CHANGES, None
     if prescribed is not None:
         full_search = full_search and given_up
@@ -228,8 +237,10 @@ def _by_iterations(
     *,
     dynamic: bool,
 ) -> tuple[StepSolution, bool]:
-    """The step by Newton's method along the curve, or else by the interior-point method; and
-    whether there is an equilibrium."""
+    """Solve the step by Newton's method along the curve, or else by the interior-point method.
+
+    Returns the solution, and whether there is an equilibrium.
+    """
     prescribed, driven = step.prescribed, step.detector.farthest(step.given)
     solver, slope = _Solver(step, settings.interior), start.slope
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
@@ -238,11 +249,11 @@ def _by_iterations(
         solver.iterations = 1  # a factorisation counts as one
     guess = _nearest(step, start.guesses, start.multiplier)
     along, found, in_vain = start.along if follows else None, None, start.in_vain
-    # One unstable equilibrium alone says little: a stable one nearly always lies within
-    # micrometres.  Where they go on, the structure has come to a branch that it would leave.
+    # A single unstable equilibrium says little: a stable one nearly always lies within
+    # micrometres.  If several follow in a row, the structure is on a branch that it would leave.
     leaves = prescribed is None or (start.unstable > 0 and _due(start.unstable))
     if along is not None:
-        # Where many contacts change their branch in each step, this nearly always fails.
+        # If many contacts change their branch in each step, this nearly always fails.
         if _due(in_vain):
             found = _along_curve(solver, guess, along, start.multiplier, settings)
         in_vain = 0 if found and found.stable else in_vain + 1
@@ -260,7 +271,7 @@ def _by_iterations(
 def _reported(
     solver: _Solver, start: StepStart, fold: Fold | None, found: Judged | None
 ) -> StepSolution:
-    """What there is to say of the equilibrium that has been ``found``."""
+    """The solution that reports the equilibrium ``found``, or the reason why there is none."""
     step, prescribed = solver.step, solver.step.prescribed
     moved, reason = step.detector.farthest(step.x), ""
     if found and not found.stable and (fold is None or math.isfinite(fold.drop)):
@@ -273,7 +284,7 @@ def _reported(
     elif not moved <= step.accuracy.farthest:
         reason = TOO_FAR
     increment = prescribed.increment if prescribed else step.detector.farthest(step.given)
-    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
+    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are compared in the sense of the motion
     begun, ended = sense * start.multiplier, sense * step.multiplier
     excess, bend = shape_between(begun, ended, start.slope, end, sense * increment)
     return StepSolution(
@@ -295,7 +306,7 @@ def _reported(
 def _along_curve(
     solver: _Solver, guess: Array, along: Array, multiplier: float, settings: SolutionSettings
 ) -> Judged | None:
-    """An equilibrium by Newton's method along the curve; None where there is none."""
+    """Find an equilibrium by Newton's method along the curve; None if it finds none."""
     there = solver.newton_along(guess, along, multiplier)
     return _updated(solver, settings, follows=True) if there else None
 
@@ -310,9 +321,10 @@ def _from_within(
     follows: bool,
     leaves: bool,
 ) -> Judged | None:
-    """An equilibrium by the interior-point method; None where there is none.
+    """Find an equilibrium by the interior-point method; None if it finds none.
 
-    If it is unstable, and the structure ``leaves`` such ones, a stable one beside it is looked for.
+    If the equilibrium is unstable and the structure ``leaves`` unstable equilibria, a stable one
+    beside it is looked for.
     """
 
     def reach() -> Judged | None:
@@ -329,15 +341,18 @@ def _from_within(
 
 
 def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> Judged | None:
-    """The equilibrium with the contacts that blocks have where they are; judged on a curve."""
+    """Update the contacts of an equilibrium, and solve it again with them; None if that fails.
+
+    Its stability is judged if the step ``follows`` a curve; otherwise it counts as stable.
+    """
     if not solver.update_contacts(settings.contact_updates):
         return None
     return judge(solver.step, settings.stability) if follows else Judged(stable=True)
 
 
 def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | None:
-    """Largest deviation of a block from what was ``predicted``, over the farthest motion; None
-    where nothing has moved.
+    """Largest deviation of a block from its ``predicted`` increment, over the farthest motion; None
+    if nothing has moved.
 
     Parameters
     ----------
@@ -349,10 +364,10 @@ def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | N
 
 
 def _slope_at_start(step: StaticStep, multiplier: float) -> float:
-    """Slope of the curve [1/m] where a step begins; NaN where the stiffness is singular.
+    """Slope of the curve [1/m] where a step begins; NaN if the stiffness is singular.
 
-    Joints that carry nothing count as open.  Whether they are just open, stick or slide is a matter
-    of rounding.
+    Joints that carry nothing count as open, because only rounding decides whether they are just
+    open, stick or slide.
     """
     step.restart(np.zeros_like(step.x), multiplier)
     step.respond()
@@ -364,7 +379,8 @@ def _slope_at_start(step: StaticStep, multiplier: float) -> float:
 
 
 def _stands(step: StaticStep, guess: Array, multiplier: float) -> bool:
-    """Whether a step with a given multiplier ends where it is expected, with nothing to be done."""
+    """Whether a step with a given multiplier is in equilibrium where it starts, or, if supports
+    move, at the ``guess`` (n, n_dof)."""
     step.restart(guess if step.given.any() else np.zeros_like(guess), multiplier)
     step.respond()
     balances = step.balance(step.reaction) <= step.accuracy.tolerance
@@ -372,7 +388,7 @@ def _stands(step: StaticStep, guess: Array, multiplier: float) -> bool:
 
 
 def _nearest(step: StaticStep, guesses: Sequence[Array], multiplier: float) -> Array:
-    """The guess, of several, that leaves least unbalanced."""
+    """The one of several guesses (n, n_dof) that leaves the smallest unbalanced force."""
     if len(guesses) == 1:
         return guesses[0]
     left = []

@@ -1,7 +1,7 @@
 """Whether an equilibrium is stable, from the stiffness there.
 
-An unstable equilibrium shows in the sign of the determinant of the bordered system if the number of
-unstable modes is odd, and else in the Rayleigh quotient of the lowest mode.
+The sign of the determinant of the bordered system shows whether the number of unstable modes is
+odd.  An even number shows in the Rayleigh quotients of the lowest modes, which are calculated too.
 """
 
 from __future__ import annotations
@@ -23,25 +23,26 @@ from drystone.statics.static_step import StaticStep
 class StabilitySettings:
     """Numbers of the search for the lowest modes."""
 
-    #: Modes looked for, as many as that where none but neutral ones are found, and inverse
-    #: iterations.
+    #: Number of modes that are looked for; the most that are looked for if only neutral ones are
+    #: found; number of inverse iterations.
     modes: int = 4
     most_modes: int = 32
     iterations: int = 4
-    #: Growth [1/s2] below which a mode is neutral, such as where a joint slides as a whole: gravity
-    #: over the smallest block's size is 56 of them in the structure's own frame.
+    #: Growth [1/s2] below which a mode counts as neutral, for instance a joint that slides as a
+    #: whole.  For comparison: gravity over the smallest block's size is 56/s2 in the structure's
+    #: own frame.
     neutral: float = tolerances.NEUTRAL
 
 
 def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
-    """Fields (k, n, n_dof) that the lowest modes are made of, at the equilibrium whose stiffness is
-    factorised, with the prescribed displacement fixed, and the matrix (k, k) [s2] of the inverse
-    in them; None where the stiffness is singular.
+    """A basis (k, n, n_dof) of the lowest modes at the equilibrium whose stiffness is factorised,
+    and the inverse of the stiffness in this basis, (k, k) [s2]; None if the stiffness is singular.
 
-    Bodies that spin on one point, or joints that slide as a whole, have as many neutral modes.
-    Where none but these are found, more are looked for: one that grows may hide behind them.
+    The prescribed displacement is fixed.  Each body that spins on one point and each joint that
+    slides as a whole has a neutral mode.  If only neutral modes are found, more modes are looked
+    for, because a growing one may hide behind them.
     """
-    # No more vectors than there are motions: what is left of others is rounding.
+    # There are no more modes than motions: further vectors would be rounding.
     motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
     motions -= step.prescribed is not None
     most = min(s.most_modes, motions)
@@ -57,7 +58,7 @@ def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | Non
 
 
 def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
-    """So many fields, see `_lowest`."""
+    """The same with a basis of ``n`` fields, by inverse iteration; see `_lowest`."""
     bordered, mass = step.bordered, step.loads.mass
     rng = np.random.default_rng(1)
     free = ~step.loads.fixed[:, None]
@@ -76,11 +77,11 @@ def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[A
 
 
 def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
-    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None where that has
-    none.
+    """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None if the stiffness
+    is singular.
 
-    Complex pairs move to and fro, and so back where joints slide, which they would not: they are
-    not of the stiffness that was linearised.
+    Complex pairs are left out.  Such a mode moves to and fro, but a joint that slides has another
+    stiffness on the way back than the one that was linearised.
     """
     found = _lowest(step, s)
     if found is None:
@@ -91,8 +92,8 @@ def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
 
 
 def growing(step: StaticStep, s: StabilitySettings) -> Array | None:
-    """The real mode (n, n_dof) that grows fastest, with a farthest motion of one; None if none
-    grows."""
+    """The real mode (n, n_dof) that grows fastest, scaled to a farthest motion of 1 m; None if no
+    mode grows."""
     found = _lowest(step, s)
     if found is None:
         return None
@@ -100,21 +101,23 @@ def growing(step: StaticStep, s: StabilitySettings) -> Array | None:
     rows = np.flatnonzero((ritz.imag == 0.0) & (ritz.real < 0.0))
     if not len(rows):
         return None
-    # That of the most negative quotient, which is one over these.
+    # The quotients are the reciprocals of the eigenvalues.
     fastest = rows[np.argmax(ritz.real[rows])]
     mode: Array = np.tensordot(shares[:, fastest].real, found[0], axes=1)
     return mode / step.detector.farthest(mode)
 
 
 def grows(step: StaticStep, s: StabilitySettings) -> bool:
-    """Whether a structure would leave where it is by one of its lowest modes, by the stiffness that
-    is factorised and has been solved with."""
+    """Whether one of the lowest modes grows, or the stiffness is singular.
+
+    The stiffness must have been factorised, and a direction solved for with it.
+    """
     found = quotients(step, s)
     return found is None or bool((found < -s.neutral).any())
 
 
 class Judged(NamedTuple):
-    """An equilibrium that has been found."""
+    """An equilibrium that has been found, and whether it is stable."""
 
     stable: bool
     slope: float = math.nan  # 1/m, of the curve
@@ -122,7 +125,7 @@ class Judged(NamedTuple):
 
 
 def judge(step: StaticStep, s: StabilitySettings) -> Judged:
-    """Judge the equilibrium last evaluated."""
+    """Judge the equilibrium at which the equations were last evaluated."""
     step.respond()
     slope = step.slope()
     if slope is None:
@@ -131,7 +134,8 @@ def judge(step: StaticStep, s: StabilitySettings) -> Judged:
     found = quotients(step, s)
     if found is None:
         found = np.zeros(0)
-    # One more grows if the determinant says that there is another, which is none of the lowest.
+    # The determinant tells whether the number of unstable modes is odd.  If the modes found say
+    # otherwise, one more mode grows, which is none of the lowest.
     odd = np.count_nonzero(found < 0.0) % 2 == 1
     stable = not (found < -s.neutral).any() and step.stable != odd
     return Judged(stable, math.nan if tangent is None else slope, tangent)

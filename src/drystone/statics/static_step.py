@@ -2,9 +2,11 @@
 
     R(x, l) = G + l F + sum over contacts E r - M x / h^2 = 0,    c(x) = Delta
 
-The unknowns are the increments x of the poses and the multiplier l.  Reactions, gaps and gradients
-are those where the step ends.  `statics.plane` and `statics.space` know the place and the stiffness
-of a contact; all else is written here, once.
+The unknowns are the increments x of the poses and the multiplier l.  G is the dead load, F the load
+pattern, r the reactions of a contact and E its axes, M the mass, h the time step; c is the
+prescribed displacement.  Reactions, gaps and gradients are those where the step ends.
+`statics.plane` and `statics.space` calculate the place and the stiffness of contacts; everything
+else is here, once for both.
 """
 
 from __future__ import annotations
@@ -65,13 +67,14 @@ from drystone.statics.equations import Loaded, PointDisplacement
 
 Number = TypeVar("Number", np.float64, np.int64)
 
-#: Least number of contacts for which threads pay off: for the stiffness, and for operations that
-#: take some ten nanoseconds a contact.  Waking a thread takes some 0.1 ms.
+#: Least number of contacts for which threads pay off: for the stiffness; and for operations that
+#: take some ten nanoseconds per contact.  Waking a thread takes some 0.1 ms.
 MANY, MANY_OF_LITTLE = 4000, 20000
 
 
 class Bordered(NamedTuple):
-    """What borders the matrix, (n, n_dof) each; see `statics.balance.solve_bordered`."""
+    """The columns and the row that border the matrix, (n, n_dof) unless said otherwise; see
+    `statics.balance.solve_bordered`."""
 
     load: Array  # F
     gradient: Array  # g, gradient of the prescribed displacement
@@ -79,38 +82,43 @@ class Bordered(NamedTuple):
     columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
     # (1,) determinant of the bordered matrix over that of K'
     determinant_ratio: Array
-    sign: Array  # (1,) of the latter; where the product is positive, a motion is unstable
+    # (1,) sign of the determinant of K'; where its product with the ratio is positive, the number
+    # of unstable modes is odd
+    sign: Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepSolution:
-    """Where the path led; with a `reason` where that is not an equilibrium."""
+    """Where a step has led; with a `reason` if that is not an equilibrium."""
 
     increment: Array  # (n, n_dof)
     multiplier: float
     n_iterations: int
     fold: Fold | None = None  # of the path of equilibria, see `engines.base.StepPath`
-    #: By how much the multiplier exceeds both its ends within the step, and how far it bends from
-    #: its chord, each with the share of the step where it does so most.
+    #: By how much the multiplier within the step exceeds the multipliers at both ends; and how far
+    #: it departs from the chord between them.  Each comes with the share of the step where it is
+    #: largest.
     excess: tuple[float, float] | None = None
     bend: tuple[float, float] | None = None
-    #: Largest deviation of a block from the predictor, over the farthest motion of a block: in
-    #: space from the tangent at the start; where supports move from the course of the last step.
+    #: Largest deviation of a block from the predictor, over the farthest motion of a block.  The
+    #: predictor is the tangent at the start, or, if supports move, the increments of the last step.
     deviation: float | None = None
-    slope: float = np.nan  # 1/m, of the curve at the end; in space
-    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, in space
-    unstable: bool = False  # whether it is unstable, and no stable one was found nearby
+    slope: float = np.nan  # 1/m, of the curve at the end; NaN if not known
+    tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement, if known
+    unstable: bool = False  # whether the equilibrium is unstable, and no stable one is nearby
     in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
-    softened: bool = False  # whether joints soften where it is, and the slope is with that
+    softened: bool = False  # whether joints soften at the end, and the slope allows for that
     reason: str = ""
 
 
 class StaticStep(ABC):
     """Evaluates and linearises the equations of steps over one list of pairs; owns their arrays.
 
-    Of the contacts in use, `n` of them in the order of their pairs: `trial` (n_slots, 3) [N] are
-    the reactions without friction and separation, `reaction` and `branch` those of the joint law,
-    `response` their derivatives by the trial reactions.  In the plane the third component is zero.
+    The `n` contacts in use are listed in the order of their pairs, in the first rows of arrays as
+    long as all slots.  `trial` (n_slots, 3) [N] are the reactions that the springs alone would
+    have.  The joint law makes of them `reaction` (n_slots, 3) [N] and `branch` (n_slots,).
+    `response` (n_slots, 3, 3) are the derivatives of the reactions by the trial reactions.  In the
+    plane the third component is zero.
     """
 
     def __init__(self, loaded: Loaded, pairs: Pairs) -> None:  # Long: all the memory of a step.
@@ -120,10 +128,10 @@ class StaticStep(ABC):
         n_pairs, n_slots, dim = pairs.n_pairs, pairs.n_slots, assembly.dimension
         self.loaded, self.loads, self.pairs, self.dim = loaded, loads, pairs, dim
         self.accuracy, self.detector, self.ties = loaded.accuracy, prepared.detector, ties
-        #: What loads are near a place and a multiplier; None where they are the same.
+        #: Loads that change with the pose or the multiplier; None if all loads are constant.
         self.acting = None if loads.acting.steady else loads.acting
-        # Contacts by the features that the step follows, where it starts; where it is; and as they
-        # are found there.
+        # Contacts by the features that the step follows, where it starts; the same where the step
+        # is; and the contacts found anew where it is.
         self.known, self.slots, self.found = (Slots.empty(n_slots, dim) for _ in range(3))
         self.history_before = np.zeros((n_slots, N_HISTORY + dim - 2))
         self.contacts = Contacts.empty(n_slots, dim, n_dof if dim == 2 else 0)
@@ -134,14 +142,14 @@ class StaticStep(ABC):
         self.branch = np.zeros(n_slots, np.int64)
         self.inner, self.change = (np.zeros((n_slots, N_INNER)) for _ in range(2))
         self.scaling, self.drawn = np.zeros((n_slots, N_SCALING)), np.zeros((n_slots, 3))
-        # Of the slots: whether they may yield, or have a brittle bond; by what they dilate, and the
-        # slide until which they do.
+        # Per slot: whether it may yield; whether it has a brittle bond; the tangent of its
+        # dilatancy angle; the slip [m] at which dilatancy ends.
         law = prepared.laws[pairs.law_of_slot]
         self.yields = law[:, YIELDS] != 0.0
         self.bonded = (law[:, COHESION] > 0.0) | (law[:, TENSION] > 0.0)
         self.dilate, self.until = law[:, TAN_PSI], law[:, DILATANCY_END]
         self.any_dilates, self.any_bonded = bool(self.dilate.any()), bool(self.bonded.any())
-        self.given = np.zeros((n, n_dof))  # increments of supports that move
+        self.given = np.zeros((n, n_dof))  # prescribed increments of supports
         self.x, self.force, self.contact_force = (np.zeros((n, n_dof)) for _ in range(3))
         self.damping = np.zeros(n)
         self.joined = JoinedTies.of(ties.body, pairs.a, pairs.b) if ties else None
@@ -170,7 +178,7 @@ class StaticStep(ABC):
             fixed=loads.fixed,
             left=self.force,
         )
-        self.n_due = 1  # columns of the bordered system that the next solution is to fill
+        self.n_due = 1  # number of columns that the next solution of the bordered system fills
         self.prescribed: PointDisplacement | None = None
         self.all_slots, self.all_pairs = np.arange(n_slots), np.arange(n_pairs + 1)
         self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
@@ -192,15 +200,16 @@ class StaticStep(ABC):
         current: Array | None = None,
         fresh: Array | None = None,
     ) -> None:
-        """Start a step of size ``h`` [s] from rest in ``pose``, with contacts and their past.
+        """Start a step of ``h`` [s] from rest in ``pose`` (n, n_pose), with contacts and their
+        ``history`` (n_slots, N_HISTORY + dim - 2) and ``branch`` (n_slots,).
 
         ``guess`` (n, n_dof) is the predicted end.  ``current`` (n_slots, N_CURRENT) are the
-        parameters of joints that yield, see `contact.contacts`; ``fresh`` (n_slots, N_CURRENT)
+        parameters of joints that yield, see `contact.contacts`; ``fresh`` (n_slots, N_CURRENT) are
         those of contacts that are made in the step.
         """
         self.begun = pose, slots, history, branch, h, prescribed, guess, current, fresh
         self.pose, self.inertia_factor, self.prescribed = pose, 1.0 / h**2, prescribed
-        self.found_at: Array | None = None  # poses that `found` is of, for the known contacts
+        self.found_at: Array | None = None  # poses in which `found` was found
         self.bordered.axis[:] = 0.0
         self.origin[:], self.history = self.all_slots, None
         self.current = self.current[:0] if current is None else current.copy()
@@ -209,14 +218,14 @@ class StaticStep(ABC):
         self._take_up(slots, branch, guess)
 
     def again(self) -> None:
-        """Begin the step again, as it began last."""
+        """Begin the step again with the arguments of the last `begin`."""
         self.begin(*self.begun)
 
     def _pack(self, closed: BoolArray, branch: IntArray) -> None:
         """List the known contacts in use, with the stiffness and strength of their joints.
 
-        ``closed`` (n_slots,) says which joints may dilate in the step, ``branch`` (n_slots,) what
-        contacts do at its start.
+        ``closed`` (n_slots,) are the contacts that may dilate in the step, ``branch`` (n_slots,)
+        the branches of the joint law at its start.
         """
         prepared, table = self.loaded.prepared, self.table
         thickness = prepared.assembly.thickness
@@ -245,19 +254,19 @@ class StaticStep(ABC):
         table[rows, CRUSH] = np.where(np.isfinite(crush), crush, 0.0)
 
     def restart(self, x: Array, multiplier: float) -> None:
-        """Put the bodies at increments (n, n_dof) from where the step starts."""
+        """Put the bodies at increments ``x`` (n, n_dof) from where the step starts."""
         self.multiplier = multiplier
         self._reset()
         self.move(x, 1.0)
 
     def move(self, step: Array, length: float) -> None:
-        """Move on by ``length`` times increments (n, n_dof); contacts are located anew."""
+        """Move the bodies on by ``length`` times increments (n, n_dof); locate contacts anew."""
         self._go(step, length)
         self._locate_all()
 
     def follow(self, motion: Array) -> None:
-        """Let the trial reactions follow a ``motion`` (n, n_dof) to first order, from where the
-        step is."""
+        """Continue the trial reactions along a ``motion`` (n, n_dof) to first order, without moving
+        the bodies."""
         n, table = self.n, self.table
         self.rates(motion)
         self.trial[:n] -= table[:n, (STIFF_N, STIFF_T, STIFF_T)] * self.by_motion[:n]
@@ -265,14 +274,14 @@ class StaticStep(ABC):
 
     @property
     def missing(self) -> float:
-        """What is missing of the prescribed displacement [m]."""
+        """The part of the prescribed displacement that is still missing [m]."""
         return self.prescribed.missing(self.x) if self.prescribed else 0.0
 
     # Equations.
 
     @property
     def inside(self) -> Array:
-        """Reactions (n_slots, 3 or more) of the variables of the interior [N]."""
+        """Reactions (n_slots, 3 or more) [N] of the interior-point method."""
         if not len(self.current):
             return self.inner
         n = self.n
@@ -281,11 +290,12 @@ class StaticStep(ABC):
         return self.drawn
 
     def respond(self) -> None:
-        """Reactions of the joint law, and their derivatives."""
+        """Evaluate the reactions of the joint law and their derivatives."""
         self._by_pairs(self._respond)
 
     def balance(self, reaction: Array) -> float:
-        """Make the unbalanced forces those of reactions (n_slots, 3 or more); the largest [N]."""
+        """Evaluate the unbalanced forces for reactions (n_slots, 3 or more) [N]; returns the
+        largest [N]."""
         self._sum_forces(reaction)
         self._act()
         if self.ties:
@@ -294,7 +304,7 @@ class StaticStep(ABC):
         return self.residual
 
     def _act(self) -> None:
-        """Let ties and loads act where the step is."""
+        """Evaluate ties and loads where the step is."""
         if self.ties:
             self.ties.act(self._pose_now())
         if self.acting:
@@ -302,11 +312,11 @@ class StaticStep(ABC):
             self.forces.dead[:], self.forces.pattern[:] = now
 
     def enough(self, moved: float) -> float:
-        """Unbalanced force [N] that may be left: the tolerance, or what is rounding where blocks
-        have ``moved`` [m] at most in the step.
+        """Unbalanced force [N] that may be left: the tolerance, or the effect of rounding if that
+        is larger.  ``moved`` [m] is the farthest motion of a block in the step.
 
-        Gaps are as precise as displacements from the design in the plane, where they are
-        differences of coordinates; all else is as precise as the motion within the step.
+        In the plane, gaps are differences of coordinates, and their rounding grows with the
+        displacement from the design.  All other rounding grows with the motion within the step.
         """
         accuracy = self.accuracy
         if self.residual <= accuracy.tolerance:
@@ -316,7 +326,7 @@ class StaticStep(ABC):
         return max(accuracy.tolerance, rounding)
 
     def balanced(self) -> bool:
-        """Whether the forces last evaluated balance, and nothing is missing of the increment."""
+        """Whether the forces last evaluated balance, and the prescribed displacement is reached."""
         accuracy = self.accuracy
         if abs(self.missing) > accuracy.lag or self.residual > accuracy.coarsest:
             return False
@@ -330,8 +340,9 @@ class StaticStep(ABC):
     def factorise(self, reaction: Array, least_damping: float) -> bool:
         """Factorise the stiffness for the present `response` and reactions; False if singular.
 
-        `damping` (n,) [1/s2] times the mass is added to the inertia, of the matrix alone.  Where
-        ``least_damping`` is positive, it is raised by no less for blocks without support.
+        The matrix, but not the forces, also has the mass times `damping` (n,) [1/s2].  If
+        ``least_damping`` [1/s2] is positive, the damping of blocks without support is raised by at
+        least as much.
         """
         self._stiffen(reaction)
         if self.ties and self.joined:
@@ -356,8 +367,10 @@ class StaticStep(ABC):
         return True
 
     def _border(self) -> int:
-        """Border the matrix with the gradient of the prescribed displacement where the step is; its
-        body, or -1."""
+        """Border the matrix with the gradient of the prescribed displacement where the step is.
+
+        Returns the body of the prescribed displacement, -1 if there is none.
+        """
         bordered = self.bordered
         bordered.determinant_ratio[0] = -1.0
         if self.prescribed is None:
@@ -369,9 +382,14 @@ class StaticStep(ABC):
         return body
 
     def solve(self, missing: float) -> float:
-        """Direction in the first column, from the forces there, and of the multiplier."""
+        """Solve for a direction, in place, from the forces in the first column.
+
+        ``missing`` [m] is the prescribed displacement along the direction.  Returns the change of
+        the multiplier.
+        """
         columns = self.bordered.columns
-        # What borders the matrix is solved for beside the first direction: factors are read once.
+        # The first solution after a factorisation also fills the columns of the border, so that
+        # the factors are read once.
         lu_numeric.solve(self.structure, self.factors, columns[: self.n_due])
         self.n_due = 1
         return (
@@ -381,7 +399,8 @@ class StaticStep(ABC):
         )
 
     def aim(self) -> float:
-        """Newton's direction in the first column, and of the multiplier; NaN if there is none."""
+        """Fill the first column with Newton's direction; returns the change of the multiplier, NaN
+        if the stiffness is singular."""
         self.damping[:] = 0.0
         if not self.factorise(self.reaction, 0.0):
             return np.nan
@@ -389,8 +408,10 @@ class StaticStep(ABC):
         return self.solve(self.missing)
 
     def slope(self) -> float | None:
-        """The tangent in the first column, and the slope of the curve [1/m], zero without a
-        prescribed displacement; None where the stiffness is singular."""
+        """Fill the first column with the tangent; returns the slope of the curve [1/m].
+
+        The slope is zero without a prescribed displacement, and None if the stiffness is singular.
+        """
         self.damping[:] = 0.0
         if not self.factorise(self.reaction, 0.0):
             return None
@@ -402,19 +423,19 @@ class StaticStep(ABC):
         """Whether the number of unstable modes is even, once a direction has been solved for."""
         return bool(self.bordered.sign[0] * self.bordered.determinant_ratio[0] < 0.0)
 
-    # What knows the dimension.
+    # Parts that differ between plane and space.
 
     @abstractmethod
     def _take_up(self, slots: Slots, branch: IntArray, guess: Array) -> None:
-        """Use these contacts, from where the step starts."""
+        """Take over the contacts with which the step starts."""
 
     def _from_design(self) -> float:
-        """How far blocks are from their design [m], as far as gaps are less precise by that."""
+        """Displacement of blocks from the design [m] that adds to the rounding of gaps."""
         return 0.0
 
     @abstractmethod
     def _reset(self) -> None:
-        """Put the bodies where the step starts."""
+        """Put the bodies back where the step starts."""
 
     @abstractmethod
     def _go(self, step: Array, length: float) -> None:
@@ -422,27 +443,30 @@ class StaticStep(ABC):
 
     @abstractmethod
     def _locate_all(self) -> None:
-        """Where contacts are, and their trial reactions."""
+        """Evaluate the places of contacts and their trial reactions."""
 
     @abstractmethod
     def _respond(self, low: int, high: int) -> None:
-        """Branches, reactions and responses of the contacts of pairs from ``low`` to ``high``."""
+        """Evaluate the joint law for the contacts of pairs from ``low`` to before ``high``."""
 
     @abstractmethod
     def _sum_forces(self, reaction: Array) -> None:
-        """Fill `contact_force` with what reactions (n_slots, 3 or more) do to the bodies."""
+        """Fill `contact_force` with the forces that reactions (n_slots, 3 or more) [N] exert on the
+        bodies."""
 
     @abstractmethod
     def _stiffen(self, reaction: Array) -> None:
-        """Fill `tangent` with that of minus the contacts' forces, geometric part and all."""
+        """Fill `tangent` with the stiffness of the contacts: the derivative of minus their forces,
+        geometric part included."""
 
     @abstractmethod
     def rates(self, direction: Array) -> None:
-        """Fill `by_motion` with how gaps and slips go along a direction (n, n_dof)."""
+        """Fill `by_motion` with the rates of gaps and slips along a direction (n, n_dof)."""
 
     @abstractmethod
     def _age(self, history: Array) -> None:
-        """Make a history (n_slots, N_HISTORY + dim - 2) at the start that where the step is."""
+        """Change a history (n_slots, N_HISTORY + dim - 2) from that at the start to that where the
+        step is, in place."""
 
     @abstractmethod
     def gaps(self) -> Array:
@@ -452,10 +476,11 @@ class StaticStep(ABC):
     def update_contacts(self) -> bool:
         """Update the contacts to where the step is; whether any has changed."""
 
-    # What is done with each contact: of pairs from ``low`` to ``high``.
+    # Work on the contacts of ranges of pairs, which threads share.
 
     def _cut(self, least: int) -> list[tuple[int, int]]:
-        """Ranges of pairs with about as many contacts, one for each thread from ``least`` on."""
+        """Ranges of pairs with about equal numbers of contacts, one range for each thread; a single
+        range if there are fewer than ``least`` contacts."""
         first, parts = self.first, self.team.number if self.n >= least else 1
         if parts == 1:
             return [(0, len(first) - 1)]
@@ -473,27 +498,30 @@ class StaticStep(ABC):
             self.team.run([partial(work, low, high) for low, high in cuts])
 
     def by_contacts(self, work: Callable[[slice], None]) -> None:
-        """Do something with the contacts in use, by ranges of them; these may go side by side."""
+        """Apply ``work`` to ranges of the contacts in use; several threads may run at once."""
         first = self.first
         self._by_pairs(lambda low, high: work(slice(first[low], first[high])))
 
-    # Where it has led.
+    # The end of the step.
 
     def finish(self) -> Array:
-        """Find the contacts where the blocks are now, into `found`, and follow the known ones
-        there, into `slots`; the history of these, (n_slots, N_HISTORY + dim - 2)."""
+        """Find the contacts where the blocks are now, into `found`; the known contacts there are in
+        `slots`.  Returns the history of the known contacts, (n_slots, N_HISTORY + dim - 2)."""
         self._find()
         return self._aged() if self.history is None else self.history
 
     def _aged(self) -> Array:
-        """History of contacts where the step is."""
+        """History of the known contacts where the step is, (n_slots, N_HISTORY + dim - 2)."""
         history = self.history_before.copy()
         self._age(history)
         return history
 
     def ended(self) -> tuple[Array, Array, Array, Array]:
-        """What the strengths of joints are to follow from, of all slots; see `statics.yielding`:
-        history at the end, gaps [m], normal reactions [N] and areas [m2]."""
+        """What the strengths of joints at the end of the step depend on; see `statics.yielding`.
+
+        Returns, for all slots: the history at the end (n_slots, N_HISTORY + dim - 2), gaps [m],
+        normal reactions [N] and areas [m2], (n_slots,) each.
+        """
         used = self.which[: self.n, SLOT]
         self.history = self._aged()
         gap, area = np.full(len(self.branch), np.inf), np.zeros(len(self.branch))
@@ -501,11 +529,11 @@ class StaticStep(ABC):
         return self.history, gap, self.by_slot(self.reaction)[:, 0], area
 
     def soften(self, start: Array) -> tuple[IntArray, Array]:
-        """Unbalanced forces, and response, where the step is, with the strengths that joints have
-        there.
+        """Evaluate the reactions, responses and unbalanced forces where the step is, with the
+        strengths that joints have there.
 
         ``start`` (n_slots, N_HISTORY + dim - 2) is the history where the step begins, of the
-        present slots.  Returns slots (n,) of joints that yield, and their state (n, N_POINT).
+        present slots.  Returns the slots (k,) of joints that yield, and their state (k, N_POINT).
         """
         self.respond()
         used, strengths = self.which[: self.n, SLOT], self.loaded.prepared.strengths
@@ -541,7 +569,7 @@ class StaticStep(ABC):
         self.balance(self.reaction)
 
     def _find(self) -> None:
-        """Find the contacts where the blocks are now, into `found`, unless they have been."""
+        """Find the contacts where the blocks are now, into `found`, unless they are known."""
         pose = self._pose_now()
         if self.found_at is None or not np.array_equal(self.found_at, pose):
             self.found.which[:] = self.known.which
@@ -549,13 +577,13 @@ class StaticStep(ABC):
             self.found_at = pose
 
     def by_slot(self, values: NDArray[Number]) -> NDArray[Number]:
-        """Values of the contacts in use, (n_slots, ...), by slot; zeros elsewhere."""
+        """Values (n_slots, ...) of the contacts in use, listed by slot; zeros elsewhere."""
         spread = np.zeros_like(values)
         spread[self.which[: self.n, SLOT]] = values[: self.n]
         return spread
 
     def judged(self, history: Array) -> JudgedContacts:
-        """The contacts as last evaluated, in views; with their ``history``, see `finish`."""
+        """The contacts as last evaluated, as views, with their ``history``; see `finish`."""
         n, dim, contacts = self.n, self.dim, self.contacts.of(slice(self.n))
         contacts.table[:, TRIAL_N : TRIAL_T + 1] = self.trial[:n, :2]
         return JudgedContacts.with_history(

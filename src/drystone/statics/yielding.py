@@ -1,9 +1,9 @@
 """Steps of structures whose joints soften, are crushed or close hyperbolically.
 
 The stiffness and the strengths of such joints change within a step.  A step is solved with constant
-ones, those that the contacts have at its end (`law.strengths`).  These are not known beforehand, so
-the step is solved, the strengths at its end are read off, and the step is solved again until they
-no longer change.  Strengths at the end, and not at the start, make the curve independent of the
+values: those that the contacts have at its end (`law.strengths`).  They are not known beforehand.
+So the step is solved, the values at its end are read off, and the step is solved again until the
+values no longer change.  Values of the end, not of the start, make the curve independent of the
 length of steps.
 
 From such a solution Newton's method continues with strengths that depend on the motion of the
@@ -32,13 +32,13 @@ from drystone.statics.shape import bend_of_cubic, excess_of_cubic
 from drystone.statics.stability import StabilitySettings, grows
 from drystone.statics.static_step import StaticStep, StepSolution
 
-#: Solutions of a step before it counts as failed: where joints may fail within it, and where a
-#: shorter one would rather be tried.  With 15 to 60 of the former twenty random walls end alike,
-#: with 3 to 12 of the latter seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
+#: Solutions of a step before it counts as failed: if joints may fail within it; and if a shorter
+#: step can be tried instead.  With 15 to 60 of the former, twenty random walls end alike.  With 3
+#: to 12 of the latter, seven peaks are the same to the last bit, and steps 2 to 6 % fewer.
 MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 3
 
-#: Iterations of Newton's method, and halvings of one.  With 4 to 8 halvings seven peaks are the
-#: same to the last bit; with 2 one moves by 3e-4.
+#: Iterations of Newton's method, and halvings of one iteration.  With 4 to 8 halvings, seven peaks
+#: are the same to the last bit; with 2, one peak moves by 3e-4.
 MOST_ITERATIONS, MOST_HALVINGS = 20, 4
 
 
@@ -49,7 +49,7 @@ class Beginning(NamedTuple):
     gap: Array  # (n_slots,) m
     branch: IntArray  # (n_slots,)
     multiplier: float
-    rise: float  # by which the multiplier would go along the tangent; or not a number
+    rise: float  # of the multiplier along the tangent; NaN if there is no tangent
 
 
 _UNSOLVED = StepSolution(
@@ -72,10 +72,18 @@ def solve(
 ) -> StepSolution:
     """Solve a step; its equations are left evaluated at the solution, with its history.
 
-    ``once`` begins it with the parameters of contacts (n_slots, N_CURRENT) and those of contacts
-    made in it, and solves it from the branches (n_slots,), with gradients of the increments (n,
-    n_dof) near which it will end, if these are known.  ``begin`` begins it where it is expected to
-    end.  With ``may_snap`` joints may fail within it, so that it ends at an equilibrium far away.
+    Parameters
+    ----------
+    once
+        Begins and solves the step.  Its arguments: the parameters of contacts and those of contacts
+        made in the step, (n_slots, N_CURRENT) each; the branches (n_slots,) at the start; and the
+        increments (n, n_dof) near which the step will end, None if not known.
+    begin
+        Puts the step where it is expected to end, with the same parameters of contacts.
+    increment
+        Prescribed displacement [m]; None if there is none.
+    may_snap
+        Whether joints may fail within the step, so that it ends at an equilibrium far away.
     """
     law, history, prepared = step.pairs.law_of_slot, start.history, step.loaded.prepared
     strengths = prepared.strengths
@@ -131,17 +139,17 @@ def solve(
 
 
 class _Come(NamedTuple):
-    """Where the equations of a step were last evaluated: the state of softening of its contacts."""
+    """The state of softening of the contacts where the equations of a step were last evaluated."""
 
-    origin: IntArray  # (n_slots,) slots where the step started; -1 has none
-    before: Array  # (n_slots, N_HISTORY + dim - 2), where the step starts
-    after: Array  # likewise, at the end: that of the step
+    origin: IntArray  # (n_slots,) slot of each contact when the step started; -1 if it had none
+    before: Array  # (n_slots, N_HISTORY + dim - 2) history where the step starts
+    after: Array  # (n_slots, N_HISTORY + dim - 2) history where the step is; the step's own array
     reached: Reached
-    change: float  # N, by which the strengths that follow from it differ from those solved with
+    change: float  # N, difference of the strengths reached from those that the step was solved with
 
     @classmethod
     def to(cls, step: StaticStep, history: Array) -> _Come:
-        """That of a step which starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
+        """The state of a step that starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
         law, (after, gap, normal, area) = step.pairs.law_of_slot, step.ended()
         strengths = step.loaded.prepared.strengths
         before = np.where((step.origin < 0)[:, None], step.history_before, history[step.origin])
@@ -152,6 +160,8 @@ class _Come(NamedTuple):
 
 
 class _Converged(NamedTuple):
+    """The end of Newton's method: the softening reached, and the tangent of the curve."""
+
     reached: Reached
     slope: float  # 1/m
     tangent: Array  # (n, n_dof)
@@ -165,9 +175,12 @@ def _stood(
     solved: StepSolution,
     tolerance: float,
 ) -> StepSolution | None:
-    """The end of Newton's method, if it is an equilibrium with the ``current`` parameters of joints
-    (n_slots, N_CURRENT), which are those there; the history is then that of the step, and all else
-    is that of one ``solved`` before."""
+    """The end of Newton's method as a solution; None if it is no equilibrium.
+
+    It must balance with the ``current`` parameters of joints (n_slots, N_CURRENT), those at this
+    end, and nothing may change with them.  The step then has the history of its end.  Figures that
+    are not known here are those of ``solved``, the last solution with constant strengths.
+    """
     step.take(current)
     moved = step.detector.farthest(step.x)
     if not (step.balanced() and moved <= step.accuracy.farthest) or step.update_contacts():
@@ -194,9 +207,11 @@ def _stood(
 def _converge(
     step: StaticStep, come: _Come, enough: float, stability: StabilitySettings
 ) -> _Converged | None:
-    """Iterate Newton's method, with the strengths that the joints have where it is, from where
-    contacts have come to; None where that leads to no stable equilibrium.  ``enough`` is the force
-    that may be left [N]."""
+    """Newton's method with strengths that depend on the motion, from where the step is.
+
+    Returns None if it leads to no stable equilibrium.  ``come`` is the state of softening where it
+    starts; ``enough`` [N] is the unbalanced force that may be left.
+    """
     slot, point = step.soften(come.before)
     for _ in range(MOST_ITERATIONS):
         residual = step.residual
@@ -238,8 +253,8 @@ def _converge(
 
 
 def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
-    """The state ``then`` of contacts, in the slots where the step starts, ``origin`` (n_slots,) of
-    each."""
+    """The state ``now``, listed by slots at the start of the step, with the values of ``then``
+    written over it; ``origin`` (n_slots,) is the slot at the start of each contact in ``then``."""
     known = origin >= 0
     found = []
     for mine, theirs in zip(now, then, strict=True):
@@ -252,9 +267,10 @@ def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
 class _Relaxation:
     """The state of softening, extrapolated from its changes (Irons and Tuck 1969).
 
-    Where joints soften nearly as fast as the structure unloads them, each solution covers the same
-    small part of what is missing.  Where more is missing each time, the structure leaves an
-    unstable equilibrium.  If it ``leaves`` in this step, the extrapolation doubles each time.
+    If joints soften nearly as fast as the structure unloads them, each solution covers the same
+    small share of the change that is still missing; extrapolation shortens this.  If the missing
+    change grows from one solution to the next, the structure leaves an unstable equilibrium.  With
+    ``leaves`` the extrapolation then doubles each time.
     """
 
     def __init__(self, strengths: Strengths, law: IntArray, *, leaves: bool) -> None:
@@ -263,8 +279,8 @@ class _Relaxation:
         self.share, self.last = 1.0, np.zeros(0)
 
     def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
-        """The state to continue with, in the slots where the step starts: ``origin`` (n_slots,) of
-        those in the state ``then``."""
+        """The state to continue with, listed by slots at the start of the step, from the state
+        ``now`` that was solved with and the state ``then`` that was reached; see `_at`."""
         there = _at(then, now, origin)
         per_slip, by_crushing = self.scale
         missing = np.concatenate(
@@ -299,14 +315,15 @@ def _shaped(
     fallen: bool,
     may_snap: bool,
 ) -> StepSolution:
-    """The solution of a step, with what it may hide of the curve; see `StepSolution`.
+    """The solution of a step with its excess, bend and slope; see `StepSolution`.
 
-    Of a curve that has tangents at both ends: what the cubic through them has.  Where joints have
-    failed within the step, the curve may have followed the first tangent to just before the end.
+    If the curve has tangents at both ends, excess and bend are those of the cubic between them.  If
+    joints have ``fallen`` in strength without ``may_snap``, the curve may have followed the first
+    tangent to just before the end.
     """
     if increment is None:
         return replace(solved, excess=None)
-    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are looked at in that of the motion
+    sense = -1.0 if increment < 0.0 else 1.0  # multipliers are compared in the sense of the motion
     before, after = sense * start.multiplier, sense * solved.multiplier
     known = sense * first.multiplier if first else after
     rise = sense * start.rise if np.isfinite(start.rise) else known - before
@@ -319,7 +336,7 @@ def _shaped(
     at_end = change if slope is None else slope * abs(increment)
     excess = 0.0, 0.0
     if rise > 0.0 > at_end:
-        # As high as where the tangents meet, at a corner, or as the cubic, where it drops later.
+        # The peak may be a corner, where the tangents meet; or that of the cubic, if it is higher.
         share = min(max((change - at_end) / (rise - at_end), 0.0), 1.0)
         at_corner = max(before + share * rise - top, 0.0), share
         excess = max(at_corner, excess_of_cubic(rise, change, at_end))
@@ -335,11 +352,12 @@ def _shaped(
 def _hidden(
     first: StepSolution, last: StepSolution, multiplier: float, sense: float
 ) -> tuple[float, float] | None:
-    """By how much the multiplier may exceed both ends within the step, and where, see
-    `StepSolution`.
+    """The excess of the curve within the step, see `StepSolution`, from the ``first`` and the
+    ``last`` solution; None if it cannot be told.
 
-    It is no higher than with the strengths at the start.  Where the path with these is straight,
-    the curve departs from it with the square of the displacement.
+    The multiplier is no higher than with the strengths at the start, as in the first solution.  If
+    the path of the first solution is straight, the curve departs from it with the square of the
+    displacement.
     """
     if first.excess is None or first.bend is None:
         return None
@@ -356,8 +374,12 @@ def _hidden(
 
 
 def _fitting(branch: IntArray, current: Array) -> IntArray:
-    """Branches (n_slots,) that exist with the ``current`` parameters: none is torn where the
-    cohesion intercept is zero."""
+    """The branches (n_slots,), changed to such as exist with the ``current`` parameters (n_slots,
+    N_CURRENT).
+
+    A torn contact has a cohesion intercept: without one it is open, and an open one with an
+    intercept is torn.
+    """
     intercept, torn = current[:, INTERCEPT] > 0.0, ACROSS[branch] == TORN
     fitting = np.where((branch == OPEN) & intercept, TORN_STICKING, branch)
     return np.where(torn & ~intercept, OPEN, fitting)

@@ -1,8 +1,8 @@
-"""Contacts of a static step in the plane: where they are, what they do, how stiff they are.
+"""Contacts of a static step in the plane: their places, reactions and stiffness.
 
-The force on block b is r_n n + r_t t, on the blocks together r_n grad(g) + r_t grad(s), with the
-reactions of `law.return_map` and the gradients of `contact.plane.rows`; their tangent includes the
-second derivatives of g and s.
+The force on block b is r_n n + r_t t.  The generalised forces on both blocks are r_n grad(g) +
+r_t grad(s), with the reactions of `law.return_map`, and the gradients of gap g and slip s of
+`contact.plane.rows`.  Their tangent includes the second derivatives of g and s.
 """
 
 from __future__ import annotations
@@ -56,20 +56,21 @@ class Beginning(NamedTuple):
     pose: Array  # (n, 3)
     pairs: Pairs
     known: Slots  # features
-    history: Array  # (n_slots, N_HISTORY), what contacts bring along; see `law.plane.remember`
-    there: BoolArray  # (n_slots,) contacts that are there at the beginning
-    # (n_slots, dim, 2 n_dof) of these: gradients of the slip that hold for the step.  Others slip
-    # by the exact distance.
+    history: Array  # (n_slots, N_HISTORY) at the beginning; see `law.plane.remember`
+    there: BoolArray  # (n_slots,) contacts that exist at the beginning
+    # (n_slots, dim, 2 n_dof) gradients of gap and slip of these contacts.  The slip is linear in
+    # the increments by them, during the step.  The slip of other contacts is the exact distance.
     lines: Array
 
 
 class Answer(NamedTuple):
-    """What contacts do, each row for one in use; arrays are as long as all slots."""
+    """Reactions of the contacts: one row for each contact in use, in arrays as long as all
+    slots."""
 
     trial: Array  # (n_slots, 3) N
     branch: IntArray  # (n_slots,)
     reaction: Array  # (n_slots, 3) N
-    response: Array  # (n_slots, 3, 3) derivatives of the reactions by the trial ones
+    response: Array  # (n_slots, 3, 3) derivatives of the reactions by the trial reactions
 
 
 class Located(NamedTuple):
@@ -87,7 +88,7 @@ class Located(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def _follow(located, increment, share):
-    """Contacts by the features that are followed, after a share of increments (n, n_dof)."""
+    """Follow the contacts by their features to a ``share`` of the increments (n, n_dof)."""
     begin, now = located.begin, located.now
     for i in range(now.shape[0]):
         for d in range(now.shape[1]):
@@ -98,7 +99,7 @@ def _follow(located, increment, share):
 @njit(cache=True, error_model="numpy")
 def take_lines(box, guess):
     """Fill the ``lines`` of a step that is expected to end at increments ``guess`` (n, n_dof): the
-    gradients midway.  The `Located` are the first in the ``box``, here and below."""
+    gradients midway.  The first item of the ``box`` is the `Located`, here and below."""
     located = box.value[0]
     _follow(located, guess, 0.5)
     slot_rows(located.slots, located.begin.lines)
@@ -106,7 +107,7 @@ def take_lines(box, guess):
 
 @njit(cache=True, error_model="numpy")
 def locate_all(box, count):
-    """Contacts at the increments of a step, and their trial reactions; see `locate`."""
+    """Locate the ``count`` contacts at the increments of a step; see `locate`."""
     located = box.value[0]
     begin = located.begin
     _follow(located, located.x, 1.0)
@@ -118,7 +119,8 @@ def locate_all(box, count):
 
 @njit(cache=True, error_model="numpy")
 def evaluate(box, count, multiplier, inertia_factor):
-    """The same, with the contacts' reactions and what is unbalanced; see `balance.unbalance`."""
+    """Locate the contacts, and evaluate reactions and unbalanced forces; returns the largest
+    unbalanced force [N], see `balance.unbalance`."""
     located = box.value[0]
     contacts, answer, forces = located.contacts, located.answer, located.forces
     locate_all(box, count)
@@ -131,7 +133,7 @@ def evaluate(box, count, multiplier, inertia_factor):
 
 @njit(cache=True, error_model="numpy")
 def add(field, total):
-    """Add a field (n, n_dof) to another."""
+    """Add a field (n, n_dof) to ``total`` (n, n_dof)."""
     for i in range(field.shape[0]):
         for d in range(field.shape[1]):
             total[i, d] += field[i, d]
@@ -139,8 +141,12 @@ def add(field, total):
 
 @njit(cache=True, error_model="numpy")
 def locate(slots, history, known, lines, contacts, count, increment, trial):
-    """Fill gradients and trial reactions of ``contacts`` in the present poses, (n_slots, 3) [N];
-    see `Beginning`, also for those ``known``, and `Located`."""
+    """Fill the gradients of ``contacts`` in the present poses, and their trial reactions
+    ``trial`` (n_slots, 3) [N].
+
+    ``known`` (n_slots,) are the contacts that exist at the beginning, `Beginning.there`.  See there
+    for ``history`` and ``lines``.  ``increment`` (n, n_dof) are the increments of the step.
+    """
     meets, value = slots
     which, rows, table = contacts
     for c in range(count):
@@ -165,7 +171,8 @@ def locate(slots, history, known, lines, contacts, count, increment, trial):
 
 @njit(cache=True, error_model="numpy")
 def sum_forces(contacts, count, reaction, force):
-    """Fill ``force`` (n, n_dof) with what reactions (n_slots, 2 or more) do to the bodies."""
+    """Fill ``force`` (n, n_dof) with the forces that reactions (n_slots, 2 or more) [N] exert on
+    the bodies."""
     which, rows = contacts.which, contacts.rows
     force[:, :] = 0.0
     for c in range(count):
@@ -175,7 +182,8 @@ def sum_forces(contacts, count, reaction, force):
 
 @njit(cache=True, error_model="numpy")
 def rates(contacts, count, direction, found):
-    """How gaps and slips go (n_slots, 3) along a direction of the bodies (n, n_dof)."""
+    """Fill ``found`` (n_slots, 3) with the rates of gaps and slips along a motion (n, n_dof) of the
+    bodies, the ``direction``."""
     which, rows = contacts.which, contacts.rows
     for c in range(count):
         a, b = which[c, BODY_A], which[c, BODY_B]
@@ -185,7 +193,7 @@ def rates(contacts, count, direction, found):
 
 @njit(cache=True, error_model="numpy")
 def move_trial(which, rows, table, count, motion):
-    """Trial reactions where the blocks have moved on by ``motion`` (n, n_dof), to first order."""
+    """Continue the trial reactions in the table to first order by a ``motion`` (n, n_dof)."""
     for c in range(count):
         a = which[c, BODY_A]
         b = which[c, BODY_B]
@@ -195,8 +203,9 @@ def move_trial(which, rows, table, count, motion):
 
 @njit(cache=True, error_model="numpy")
 def geometric_stiffness(slots, contacts, count, reaction, tangent):
-    """Fill ``tangent``, that of minus the forces, with what contacts add that turn with their
-    bodies, at ``reaction`` (n_slots, 2 or more) [N] that stay; ``slots`` are where they are now."""
+    """Fill ``tangent`` with the geometric stiffness of the contacts: the derivative of minus their
+    forces, with constant ``reaction`` (n_slots, 2 or more) [N], as their gradients turn with the
+    bodies.  ``slots`` are the contacts where the step is."""
     tangent.diagonal[:, :, :] = 0.0
     tangent.upper[:, :, :] = 0.0
     tangent.lower[:, :, :] = 0.0
@@ -205,8 +214,9 @@ def geometric_stiffness(slots, contacts, count, reaction, tangent):
 
 @njit(cache=True, error_model="numpy")
 def add_geometric_stiffness(slots, contacts, count, reaction, tangent):
-    """Add to ``tangent`` what `geometric_stiffness` fills it with."""
-    # Fields read once, and no views of rows: in the loop each would count references.
+    """Add the geometric stiffness of the contacts to ``tangent``; see `geometric_stiffness`."""
+    # Fields are read before the loop, and rows are no views: in the loop each would cost a count
+    # of references.
     meets, value = slots
     which = contacts.which
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
@@ -222,7 +232,8 @@ def add_geometric_stiffness(slots, contacts, count, reaction, tangent):
 
 @njit(cache=True, error_model="numpy")
 def add_blocks(hess, a, b, p, diagonal, upper, lower):
-    """Add a contact of pair p, by the motions of both bodies, to the blocks of a matrix."""
+    """Add the stiffness ``hess`` (2 N_DOF, 2 N_DOF) of a contact of pair p, by the motions of both
+    bodies a and b, to the blocks of a matrix."""
     for i in range(N_DOF):
         for j in range(N_DOF):
             diagonal[a, i, j] += hess[i, j]
@@ -233,11 +244,12 @@ def add_blocks(hess, a, b, p, diagonal, upper, lower):
 
 @njit(cache=True, error_model="numpy")
 def assemble(contacts, count, pair_bodies, reaction, response, geometric, motion, force, tangent):
-    """Fill ``force`` (n, n_dof) and ``tangent``: of all contacts that respond as given, to first
-    order after a ``motion`` (n, n_dof) from where the table was made, and of minus these forces.
+    """Fill ``force`` (n, n_dof) with the forces of all contacts, and ``tangent`` with the
+    derivative of minus these forces.
 
-    ``geometric`` is the `Tangent` of what does not depend on the branches, ``pair_bodies``
-    (n_pairs, 2) are the bodies of all pairs of the matrix.
+    The forces are continued to first order by a ``motion`` (n, n_dof) from where the gradients were
+    taken.  ``geometric`` is the `Tangent` of the parts that do not depend on the branches.
+    ``pair_bodies`` (n_pairs, 2) are the bodies of all pairs of the matrix.
     """
     diagonal, upper, lower = tangent.diagonal, tangent.upper, tangent.lower
     bent, above, below = geometric.diagonal, geometric.upper, geometric.lower

@@ -6,11 +6,11 @@ so that all unbalanced forces shrink together,
 
     R(x, l) = (1 - t) R_0,    g . (x - x_0) = t lag_0,    t from 0 to 1
 
-along straight lines with a kink where a contact leaves its branch.  There the matrix changes by
-u v^T only, so that the new direction takes one more solution with the factors of the first matrix
-(Sherman-Morrison).  Where 1 + v . K^-1 u is negative the path has a fold: t decreases until the
-next fold.  A path that falls below its start has no solution ahead of it (Katzenelson 1965).  What
-the multiplier loses until the path passes the fold's t again is the drop at the fold.
+along straight lines with a kink where a contact leaves its branch.  At a kink the matrix changes by
+u v^T only.  So the new direction takes one more solution with the factors of the first matrix
+(Sherman-Morrison).  If 1 + v . K^-1 u is negative, the path has a fold: t decreases until the next
+fold.  If t becomes negative, there is no solution ahead (Katzenelson 1965).  If the path passes the
+t of a fold again, the drop at the fold is what the multiplier has lost in between.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ from drystone.statics.plane.contacts import (
     move_trial,
 )
 
-#: How a path ends: at its target; at a fold before it; at a change after which the matrix must be
-#: factorised anew; after too many changes; where the matrix is singular.  Or it waits for its
-#: matrix to be factorised.
+#: How a path ends: at its target; at a fold before its target; at a change after which the matrix
+#: must be factorised anew; after too many changes; at a singular matrix; or because the caller is
+#: to factorise the matrix.
 DONE, FOLDED, RENEW, EXHAUSTED, SINGULAR, WAITS = 0, 1, 2, 3, 4, 5
 
 
@@ -64,23 +64,23 @@ class Way(NamedTuple):
     pivot: Array  # (n_changes,) 1 + v . K^-1 u
     rate: Array  # (n_slots, 2) of the trial reactions along the direction
     fold: Array  # (3,) of the fold that matters most, see `engines.base.Fold`; or NaN
-    sense: Array  # (1,) -1 where the path goes back, else 1
-    bends: Array  # (n_bends, 2) share of the step and multiplier at every change
+    sense: Array  # (1,) -1 if the path goes back, else 1
+    bends: Array  # (n_bends, 2) share of the step and multiplier at the first changes
 
 
 class Pieces(NamedTuple):
-    """The linear pieces of a step: what their forces and their matrix are summed from."""
+    """The parts from which the forces and the matrix of a linear piece are summed."""
 
     structure: Structure  # of the matrix
     factors: Factors
     pair_bodies: IntArray  # (n_pairs, 2) of all pairs of the matrix
-    #: What does not depend on the branches of contacts: stiffness of ties and of loads that turn;
-    #: the same with that of contacts which turn.
+    #: Stiffness that does not depend on the branches of contacts: of ties and of loads that turn;
+    #: and the same with the geometric stiffness of contacts.
     others: Tangent
     geometric: Tangent
-    tangent: Tangent  # all, with inertia
+    tangent: Tangent  # the whole matrix, with inertia
     damping: Array  # (n,)
-    away: Array  # (n, n_dof) from where they are linear to where the path is
+    away: Array  # (n, n_dof) increments from where the gradients were taken to where the path is
 
 
 class Rules(NamedTuple):
@@ -88,31 +88,35 @@ class Rules(NamedTuple):
 
     #: Body whose displacement is prescribed, the multiplier being an unknown; -1 if there is none.
     body: int
-    #: What is missing of the prescribed displacement where the pieces are linear [m].
+    #: Prescribed displacement that is missing where the gradients were taken [m].
     lag: float
     inertia_factor: float  # 1/s2
-    #: Largest number of changes, and of those that bring the path no farther.
+    #: Largest number of changes, and of changes in a row that bring the path no farther.
     patience: int
     idle: int
     #: Whether the caller factorises the matrix, see `WAITS`.
     waits: bool
 
 
-#: Where a path is: the multiplier; the share 1 - t of the step that is left; the number of changes
-#: so far; whether sliding counts over the whole of the step, as in the implicit law.  Otherwise a
-#: slip ends, and is kept, as soon as the contact would slide back: the path of a slow loading.  No
-#: structure follows that from a fold on, but snaps to where the path passes the same share again.
-#: Up to there the path is that of the implicit law.  The least share left so far, and the number of
-#: changes since.  Stiffness of the spring [N/m], and pivot of the matrix, NaN before it is
-#: factorised.  The share left, and the multiplier, at the fold whose share the path has not passed
-#: again, NaN where there is none; and the share left where it passed one last.
+#: The variables of a path, all in one array: the multiplier; the share 1 - t of the step that is
+#: left; the number of changes so far; whether the path is that of the implicit law (see below); the
+#: least share left so far, and the number of changes since; the stiffness of the spring [N/m]; the
+#: pivot of the matrix, NaN before it is factorised; the share left, and the multiplier, at the fold
+#: whose share the path has not passed again, NaN if there is none; the share left where the path
+#: last passed the share of a fold again.
+#:
+#: In the implicit law, sliding counts over the whole step.  Otherwise the path is that of a slow
+#: loading: a slip ends, and is kept, as soon as the contact would slide back.  From a fold on, no
+#: structure follows the path, but snaps to where the path passes the same share again.  Up to
+#: there, the path is that of the implicit law.
 MULTIPLIER, LEFT, CHANGES, WHOLE, LEAST, SINCE, SPRING, PIVOT, TURNED, TOP, PASSED = range(11)
 N_PROGRESS = 11
 
 
 @njit(cache=True, error_model="numpy")
 def _rates(table, rows, c, field, a, b):
-    """Rates of the trial reactions of contact c along a field of the bodies' motion."""
+    """Rates of the trial reactions of contact c between bodies a and b along a motion (n, n_dof)
+    of the bodies, the ``field``."""
     gap, slip = along(rows, c, OF_GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
     return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
@@ -128,7 +132,7 @@ def _sliding_back(table, c, now, rate_n, rate_t):
 
 @njit(cache=True, error_model="numpy")
 def _keep_slow(contacts, count, branch):
-    """Make sliding back that was too slow to end a part of the history."""
+    """Keep the slip of contacts that slide back too slowly for their slip to have ended."""
     table = contacts.table
     for c in range(count):
         now = branch[c]
@@ -141,14 +145,15 @@ def _keep_slow(contacts, count, branch):
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, left_behind, rate):
-    """The first contact that leaves its branch along the direction, which ``rate`` is filled for.
+    """Find the first contact that leaves its branch along the direction, and fill the ``rate`` of
+    all contacts.
 
-    The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns how far
-    that is, the contact, or ``count`` where there is none, and its branch from there on.
+    The contact ``last`` does not go back to the branch it has ``left_behind``.  Returns the length
+    along the direction, the contact, ``count`` if there is none, and the branch that it takes.
     """
     which, rows, table = contacts
     nearest = np.inf
-    chosen, following = count, count  # none yet; literals would be compiled for on their own
+    chosen, following = count, count  # none yet; for a literal, all would be compiled once more
     slowest, back = 0.0, False
     if not whole:
         for i in range(direction.shape[0]):
@@ -186,9 +191,10 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
 def _add_change(
     structure, factors, bordered, way, prescribes, contacts, chosen, before, following, new
 ):
-    """Take the change of a contact's branch into the matrix, as number ``new`` since it was made.
+    """Apply the change of a contact's branch to the matrix, as change number ``new`` since the
+    factorisation.
 
-    Returns 1 + v . K^-1 u of it, which is zero where there is no direction.
+    Returns the pivot 1 + v . K^-1 u of the change, which is zero if the matrix becomes singular.
     """
     past, pivots, past_v, bodies = way.changes, way.pivot, way.row, way.bodies
     n, n_dof = past.shape[1], past.shape[2]
@@ -219,7 +225,8 @@ def _add_change(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _first_direction(structure, factors, bordered, prescribes, force, lag, spring):
-    """Fill the first direction; returns how the multiplier changes along it, NaN for none."""
+    """Fill the first direction; returns the change of the multiplier along it, NaN if there is no
+    direction."""
     columns = bordered.columns[:3] if prescribes else bordered.columns[:1]
     for i in range(force.shape[0]):
         for d in range(force.shape[1]):
@@ -233,7 +240,8 @@ def _first_direction(structure, factors, bordered, prescribes, force, lag, sprin
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _go(direction, length, x, rate, share, table, count):
-    """Move increments and trial reactions along."""
+    """Move the increments ``x`` on by ``length`` times the direction, and the trial reactions by
+    ``share`` times their rates."""
     to, way = x.reshape(-1), direction.reshape(-1)
     for i in range(to.shape[0]):
         to[i] += length * way[i]
@@ -246,10 +254,10 @@ def _go(direction, length, x, rate, share, table, count):
 def walk(box, count, x, progress, rules):
     """Follow the path of a step from where it is, with as many factorisations as it takes.
 
-    The ``box`` is of the ``count`` contacts where the pieces are linear, `Located`, of `Pieces`, of
-    what borders their matrix, and of the `Way`; ``x`` (n, n_dof) and ``progress``, see
-    `MULTIPLIER`, move on.  Returns how the path has ended; if it waits, the caller factorises the
-    matrix, writes its pivot, and calls again.
+    The ``box`` holds `Located`, the ``count`` contacts where the gradients were taken; `Pieces`;
+    `Bordered`; and the `Way`.  The increments ``x`` (n, n_dof) and the variables ``progress``
+    (N_PROGRESS,), see `MULTIPLIER`, are updated.  Returns how the path has ended.  If it `WAITS`,
+    the caller factorises the matrix, writes its pivot into ``progress``, and calls again.
     """
     located, pieces, bordered, way = box.value
     contacts, answer, forces = located.contacts, located.answer, located.forces
@@ -277,8 +285,8 @@ def walk(box, count, x, progress, rules):
 def _copy(blocks, into):
     """Copy blocks of a matrix (n, n_dof, n_dof).
 
-    An assignment of arrays would take the compiler seconds: it compiles the message about shapes
-    that do not fit.
+    An assignment of arrays would take the compiler seconds, because it also compiles the message
+    about shapes that do not fit.
     """
     for i in range(blocks.shape[0]):
         for d in range(blocks.shape[1]):
@@ -317,10 +325,10 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
 
 @njit(cache=True, error_model="numpy")
 def _keep_all(table, count, branch):
-    """Make all sliding and crushing so far a part of the history.
+    """Keep all sliding and crushing so far in the table.
 
     The slip of a dry joint would also be kept later, when it ends.  Crushing, and the dilation of a
-    joint that has opened, would not.
+    joint that has opened, would be lost.
     """
     for c in range(count):
         commit(table, c, branch[c])
@@ -328,7 +336,7 @@ def _keep_all(table, count, branch):
 
 @njit(cache=True, error_model="numpy")
 def _tell(fold, turned, top, multiplier):
-    """Remember the fold after which the multiplier has dropped most, of those passed so far."""
+    """Store the fold with the largest drop of the multiplier of those passed so far."""
     drop = top - multiplier
     if not abs(fold[2]) >= abs(drop):
         fold[0], fold[1], fold[2] = 1.0 - turned, top, drop
@@ -336,7 +344,7 @@ def _tell(fold, turned, top, multiplier):
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress, rules):
-    """Follow the path with the matrix that is factorised; returns how it has ended."""
+    """Follow the path with the present factors of the matrix; returns how it has ended."""
     prescribes = rules.body >= 0
     structure, factors = pieces.structure, pieces.factors
     turned, top, passed = progress[TURNED], progress[TOP], progress[PASSED]
@@ -409,9 +417,9 @@ def _follow(pieces, contacts, count, branch, bordered, way, forces, x, progress,
         by_direction = _bend(way, contacts, chosen, new, scale, direction, by_direction)
         if pivot < 0.0:
             if not whole:
-                # What the structure snaps over is looked for on the path of the implicit law.
+                # The structure snaps from here.  Where to is found on the path of the implicit law.
                 if not abs(left - passed) <= NOTHING_FARTHER:
-                    top = multiplier  # else one drop follows another
+                    top = multiplier  # otherwise one drop follows another, and they count as one
                 whole, turned = True, left
             ahead = -ahead
             way.sense[0], bordered.sign[0] = ahead, -bordered.sign[0]

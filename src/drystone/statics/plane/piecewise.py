@@ -1,15 +1,14 @@
 """A static step in the plane: its linear pieces followed from the last equilibrium to the next.
 
-The joint law is piecewise linear.  With friction there is no energy to descend on, and full Newton
-steps do not converge where many contacts open, slide and stick at once.  So the pieces are followed
-one by one (`statics.plane.path`), with constant gradients of gaps and slips, those at the predicted
-end of the step.  Then the gradients are computed anew.  The rest, of second order in the error of
-the prediction, is corrected in the same manner.
+The joint law is piecewise linear.  With friction there is no energy to minimise, and full Newton
+steps do not converge if many contacts open, slide and stick at once.  So the pieces are followed
+one by one (`statics.plane.path`).  The gradients of gaps and slips are constant meanwhile; they are
+those at the predicted end of the step.  Then the gradients are computed anew.  The remaining error
+is of second order in the error of the prediction, and is corrected in the same manner.
 
-A path that turns back, and does not come on again, says that no equilibrium lies ahead: the
-structure snaps.  An unstable equilibrium is never taken.  Where a path is too long to be followed,
-the step is solved by the interior-point method (`statics.interior`), which finds the same
-equilibria.
+If a path turns back and never goes on, no equilibrium lies ahead: the structure snaps.  An unstable
+equilibrium is never taken.  If a path is too long to be followed, the step is solved by the
+interior-point method (`statics.interior`), which finds the same equilibria.
 """
 
 from __future__ import annotations
@@ -26,9 +25,9 @@ from drystone.statics.plane import path
 from drystone.statics.plane.plane_step import PlaneStep
 from drystone.statics.static_step import StepSolution
 
-#: Why a path ends at a fold: no equilibrium lies ahead.
+#: Reason of a step whose path ends at a fold: no equilibrium lies ahead.
 TURNS_BACK = "the path of equilibria turns back"
-#: Why one is not followed to its end.
+#: Reason of a step whose path is not followed to its end.
 MANY_CHANGES = "too many contacts change"
 
 _ENDS = {
@@ -42,25 +41,26 @@ _ENDS = {
 class PathSettings:
     """How long a path is followed."""
 
-    #: Renewals of the gradients; most steps take two.
+    #: Largest number of renewals of the gradients; most steps take two.
     renewals: int = 12
     #: Changes of contacts after which the interior-point method takes over.  It needs some 25
-    #: iterations, each of which costs as much as ten changes: solutions and a look at all contacts.
-    #: Range: from 100 to 5000 peaks of published walls are the same to 1e-7, and that of a facade
-    #: of 92 blocks to 3e-7; one of 502 blocks takes 21, 11 and 9 s with 100, 250 and 500, its peak
-    #: the same to 2e-5.
+    #: iterations, each of which costs as much as ten changes: solutions, and a pass over all
+    #: contacts.  Range: from 100 to 5000, peaks of published walls are the same to 1e-7, and that
+    #: of a facade of 92 blocks to 3e-7.  A facade of 502 blocks takes 21, 11 and 9 s with 100, 250
+    #: and 500; its peak is the same to 2e-5.
     changes: int = 250
-    #: Likewise changes in a row that bring the path no farther: where many joints are at the limit
-    #: of friction, changes may repeat each other, and where it turns back it has nothing to find.
-    #: Range, 64 and 250: peaks of a facade of 92 blocks by 1.6e-4, a facade of 502 blocks 15.8 and
-    #: 18.9 s (16.1 s); with 64 random structures take a tenth more iterations.
+    #: Changes in a row that bring the path no farther, after which the interior-point method takes
+    #: over.  If many joints are at the limit of friction, changes may repeat each other; if the
+    #: path turns back, there is nothing ahead to find.  Range: with 64 and 250, peaks of a facade
+    #: of 92 blocks move by 1.6e-4, and a facade of 502 blocks takes 15.8 and 18.9 s (16.1 s with
+    #: 128); with 64, random structures take a tenth more iterations.
     idle: int = 128
-    #: Changes for each contact that there is, where these are more, under a given load that the
-    #: interior-point method has found no equilibrium for.
+    #: Changes per contact of a last attempt, if these are more than `changes`.  It is made under a
+    #: given load for which the interior-point method has found no equilibrium.
     changes_at_last: float = 2.0
 
     def at_last(self, n_contacts: int) -> int:
-        """Changes that a path may have at last, with so many contacts."""
+        """Largest number of changes of a last attempt, for this number of contacts."""
         return max(self.changes, int(self.changes_at_last * n_contacts))
 
 
@@ -75,11 +75,12 @@ def follow(
     whole: bool,
     patient: bool = False,
 ) -> StepSolution:
-    """Follow the pieces with gradients at the ``guess`` (n, n_dof), renew these, and again.
+    """Follow the pieces with gradients at the ``guess`` (n, n_dof), then renew the gradients and
+    follow the pieces again, until the forces balance.
 
-    The step is left evaluated where it has led.  ``reaction`` (n_slots, 2) [N] is that where it
-    starts; ``whole`` is to take the implicit law, whose sliding counts over the whole step, from
-    there on.
+    The step is left evaluated where it has led.  ``reaction`` (n_slots, 2) [N] are the reactions at
+    the start.  With ``whole``, sliding counts over the whole step from the start on, as in the
+    implicit law.  With ``patient``, a path may have as many changes as a last attempt.
     """
     prescribed, accuracy, x = step.prescribed, step.accuracy, step.given
     start, reason, count = multiplier, "", 0
@@ -104,7 +105,7 @@ def follow(
             break
         step.remember()
         moved = step.detector.farthest(x)
-        if not moved <= accuracy.farthest:  # or not a number
+        if not moved <= accuracy.farthest:  # also if it is NaN
             reason = TOO_FAR
             break
         step.evaluate(x, multiplier)
@@ -137,13 +138,15 @@ def follow(
 def _shape(
     bends: Array, start: float, end: float, sense: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Excess and bend of a path from the multipliers at its changes, (n, 2).
+    """Excess and bend of a path, see `StepSolution`, from ``bends`` (n, 2): the share of the step
+    and the multiplier at each change.
 
-    ``sense`` is that of the increment, 1 or -1: the excess is of multipliers in that sense.
+    ``start`` and ``end`` are the multipliers at the ends.  ``sense`` is the sign of the increment,
+    1 or -1: multipliers are compared in that sense.
     """
     if len(bends) == 0:
         return (0.0, 0.0), (0.0, 0.0)
-    share, multiplier = bends.T.tolist()  # Python's numbers: there are few
+    share, multiplier = bends.T.tolist()  # lists, which are faster than arrays for a few numbers
     if sense < 0.0:
         start, end, multiplier = -start, -end, [-m for m in multiplier]
     top = max(range(len(share)), key=multiplier.__getitem__)

@@ -19,37 +19,37 @@ from drystone.statics.equations import Loaded
 from drystone.statics.plane import contacts, path
 from drystone.statics.static_step import StaticStep
 
-#: Changes of contacts that are followed with one factorisation.
+#: Largest number of changes of contacts that are followed with one factorisation.
 CHANGES_PER_MATRIX = 32
 
-#: Changes of a step at which its multiplier is kept.
+#: Largest number of changes of a step at which its multiplier is stored.
 BENDS = 512
 
-#: Times that the features of contacts are updated where a step ends, and the step is solved again;
-#: steps for which a pair then keeps features that alternate with others.
+#: Times that the features of contacts are updated at the end of a step, and the step is solved
+#: again; steps for which a pair keeps its features if two sets of features alternate.
 ROUNDS, KEEP_STEPS = 3, 8
 
 
 class PlaneStep(StaticStep):
-    """See `StaticStep`.
+    """A `StaticStep` in the plane.
 
     Slips are linear in the increments, by their gradients midway to the predicted end of the step.
-    Their error is of second order in the step.  Blocks that rotate together, with several contacts
-    between them, do not strain their stiff shear springs.
+    The error is of second order in the step.  Because of this, blocks that rotate together with
+    several contacts between them do not strain their stiff shear springs.
     """
 
     def __init__(self, loaded: Loaded, pairs: Pairs) -> None:
         super().__init__(loaded, pairs)
         n, n_dof = self.loads.mass.shape
         self.lines = np.zeros((pairs.n_slots, 2, 2 * n_dof))
-        #: Contacts that were there when the step began, (n_slots,), and those shut then.
+        #: Contacts that existed when the step began, and those that were closed then, (n_slots,).
         self.there, self.closed = np.zeros((2, pairs.n_slots), np.bool_)
         joined = self.joined or pairs
         self.pair_bodies = np.column_stack(
             (joined.a, joined.b)
         )  # bodies of all pairs of the matrix
         self.geometric = Tangent.zeros(n, len(self.pair_bodies), n_dof)
-        #: Where blocks are; forces of ties.
+        #: Poses of the blocks; forces of ties; a motion of zero; forces that are not used.
         self.now, self.held, self.nowhere, self.unused = np.zeros((4, n, n_dof))
         self.pieces = path.Pieces(
             structure=self.structure,
@@ -96,7 +96,7 @@ class PlaneStep(StaticStep):
             bends=np.zeros((BENDS, 2)),
         )
         self.box = boxed((located, self.pieces, self.bordered, self.way))
-        #: Steps in which a pair yet keeps the features that it has, (n_pairs,).
+        #: Number of further steps in which a pair keeps its features, (n_pairs,).
         self.kept = np.zeros(pairs.n_pairs, np.int64)
 
     def again(self) -> None:
@@ -111,7 +111,7 @@ class PlaneStep(StaticStep):
         self.there[:] = slots.kind != NONE
         self.closed[:] = branch != OPEN
         self.before, self.rounds = self.kept.copy(), 0
-        #: Times that the features of a pair have changed, (n_pairs,).
+        #: Times that the features of a pair have changed in the step, (n_pairs,).
         self.changes = np.where(self.kept > 0, 2, 0)
         self._pack(self.closed, branch)
 
@@ -154,7 +154,8 @@ class PlaneStep(StaticStep):
     # Pieces of the step that are linear, see `statics.plane.piecewise`.
 
     def evaluate(self, x: Array, multiplier: float) -> None:
-        """Reactions, unbalanced forces and ``residual`` [N] at the increments ``x`` (n, n_dof)."""
+        """Evaluate reactions, unbalanced forces and `residual` [N] at increments ``x`` (n,
+        n_dof)."""
         self.x[:], self.multiplier = x, multiplier
         self._act()
         if self.ties:
@@ -165,10 +166,10 @@ class PlaneStep(StaticStep):
     def walk(
         self, x: Array, multiplier: float, *, whole: bool, patience: int, idle: int
     ) -> tuple[int, float, int]:
-        """Follow the path of the pieces that are linear where the step is, from ``x`` (n, n_dof),
-        which moves on in place; see `statics.plane.path.walk`.
+        """Follow the path of linear pieces, with the gradients where the step is, from increments
+        ``x`` (n, n_dof), which are updated in place; see `statics.plane.path.walk`.
 
-        Returns how it has ended, the multiplier, and the number of changes.
+        Returns how the path has ended, the multiplier, and the number of changes.
         """
         ties, acting, others = self.ties, self.acting, self.pieces.others
         if acting or ties:
@@ -210,7 +211,7 @@ class PlaneStep(StaticStep):
         return bends
 
     def remember(self) -> None:
-        """Make sliding that has ended on the path part of the step's history."""
+        """Add the slip that has ended on the path to the history at the start of the step."""
         plane_law.remember(self.which, self.table, self.n, self.history_before)
 
     # The features of contacts.
@@ -218,10 +219,11 @@ class PlaneStep(StaticStep):
     def update_contacts(self) -> bool:
         """Update the features by which contacts press where the step is; whether any has changed.
 
-        Two sets of features may lead to each other: two corners that hardly pass each other have
+        Two sets of features may alternate: with the first set the blocks come to where the second
+        applies, and vice versa.  An example is two corners that hardly pass each other: they have
         one contact or two.  So the features of a pair may change once in a step, and change back
-        once.  Then they stay for some steps.  Each further change would cost a solution, and would
-        move blocks to and fro that would otherwise come to rest.
+        once.  Then they stay for some steps.  Each further change would cost a solution, and blocks
+        that would otherwise come to rest would move to and fro.
         """
         self._find()
         if not narrow.changed_contacts(self.slots, self.found, self.accuracy.depth):
@@ -247,7 +249,8 @@ class PlaneStep(StaticStep):
         return True
 
     def _follow(self, slots: Slots) -> None:
-        """Continue with the features of these contacts; each inherits from its predecessor."""
+        """Continue the step with the features of ``slots``; each contact inherits the history of
+        its predecessor."""
         branch = self.by_slot(self.branch)
         past = Histories.own(
             self.known, self.history_before, self.by_slot(self.reaction)[:, :2], branch

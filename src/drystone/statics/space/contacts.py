@@ -1,21 +1,24 @@
-"""Contacts of a static step in space: where they are, what they carry, how stiff they are.
+"""Contacts of a static step in space: their places, reactions and stiffness.
 
-A contact is a point of body v on a plane of body f.  With Q = [n t1 t2] its axes (n from f to v)
-and p from v's centroid to the point where the step starts, the motions (u, R) since then, and d
-from f's centroid to the point now, the axes are E = R_f Q, and gap and slips have grown by
+A contact is a point of body v on a plane of body f.  Where the step starts, its axes are
+Q = [n t1 t2], with n from f to v, and p leads from the centroid of v to the point.  The bodies have
+moved by (u, R) since then, and d leads from the centroid of f to the point now.  The axes now are
+E = R_f Q, and gap and slips have grown by
 
     y = Q^T { (R_f^T - I) d + u_v - u_f + (R_v - I) p }
 
-measured in f's own axes: a rigid motion of both gives nothing.  Everything is formed from
-increments, for stiffness times the rounding of coordinates would be felt.  Where the point is the
-centre of a rounded corner of radius r, its surface is met at -r n from it, and rolls on the plane.
+This is measured in the axes of f, so that a rigid motion of both bodies gives zero.  Everything is
+formed from increments, because stiffness times the rounding of coordinates would be noticeable.  If
+the point is the centre of a rounded corner of radius r, the surfaces meet at -r n from the point,
+and the corner rolls on the plane.
 
 The force F = E r acts on v at arm a and, reversed, on f at arm b.  As E turns with f, forces turn
-as well; that gives the geometric part of the stiffness, which is not symmetric.  Matrices are found
-per pair in axes of the world, and turned to the principal axes of the bodies.
+as well.  This gives the geometric part of the stiffness, which is not symmetric.  Matrices are
+calculated per pair in axes of the world, and turned to the principal axes of the bodies.
 
-Kernels take a range of pairs: parts of a structure may be worked on at the same time, and what
-each body gets is summed afterwards in the order of its pairs, however many did the work.
+Kernels take a range of pairs, so that several threads may work on parts of a structure at the same
+time.  Forces on a body are summed afterwards in the order of its pairs, so that the result does not
+depend on the number of threads.
 """
 
 import numpy as np
@@ -40,25 +43,28 @@ from drystone.contact.contacts import (
 from drystone.geometry.rotation import place_axes, spin
 from drystone.law.columns import DILATION, SHEAR
 
-#: Columns of a contact's place where the step starts: the point from v's centroid and from f's, the
-#: axes Q by columns, gap less dilation, radius, and +1 where v is b, -1 where it is a.
+#: Columns of a contact's place where the step starts: the point from the centroid of v and from
+#: that of f; the axes Q, a matrix (3, 3) by rows; the gap less dilation; the radius; +1 if v is
+#: body b, -1 if v is body a.
 POINT, FROM_F, AXES, GAP_0, BALL, SIDE = 0, 3, 6, 15, 16, 17
 N_PLACE = 18
 
-#: Columns of where it is now: what gap and slips have grown by, axes E by columns, the arms from
-#: both bodies to where the surfaces meet.
+#: Columns of a contact's place now: by how much gap and slips have grown; the axes E, a matrix
+#: (3, 3) by rows; the arms from the centroids of v and f to where the surfaces meet.
 Y, NOW, ARM_V, ARM_F = 0, 3, 12, 15
 N_NOW = 18
 
-#: Of the sums that the stiffness of a pair is made from, where those begin that its contacts of
-#: either sense add to its geometric part, after the material part of 6 by 6.
+#: The stiffness of a pair is made from sums over its contacts, in one array.  The material part of
+#: 6 by 6 comes first.  The sums for the geometric part begin here: of contacts whose v is body b,
+#: and of those whose v is body a.
 ON_B, ON_A = 36, 57
 N_TOTAL = 78
 
 
 @njit(cache=True)
 def pack_places(slots, history, count, which, start, shear):
-    """Fill where contacts in use are, from the slots found where the step starts."""
+    """Fill the places ``start`` (n_slots, N_PLACE) of the ``count`` contacts in use, and their
+    ``shear`` (n_slots, 2) [N], from the slots where the step starts."""
     meets, value = slots
     for c in range(count):
         k = which[c, SLOT]
@@ -82,9 +88,12 @@ def pack_places(slots, history, count, which, start, shear):
 
 @njit(cache=True)
 def rotate_on(step, length, axes_0, motion, rotation, axes):
-    """Move poses ``motion`` (n, 7), as seen from the start of the step, on by ``length`` times
-    increments (n, 6) about the principal axes, in columns, ``axes_0`` there; fill the ``rotation``
-    less identity and the ``axes``, (n, 3, 3)."""
+    """Move the poses ``motion`` (n, 7), counted from the start of the step, on by ``length`` times
+    the increments ``step`` (n, 6).
+
+    Rotations are about the principal axes at the start, the columns of ``axes_0`` (n, 3, 3).  Fills
+    the ``rotation`` matrices less identity and the ``axes``, (n, 3, 3) each.
+    """
     for i in range(step.shape[0]):
         vx, vy, vz = 0.0, 0.0, 0.0
         for k in range(3):
@@ -99,7 +108,8 @@ def rotate_on(step, length, axes_0, motion, rotation, axes):
 
 @njit(cache=True, nogil=True)
 def locate(which, start, table, shear, first, low, high, motion, rotation, now, trial):
-    """Where the contacts of pairs ``low`` to ``high`` are, and their trial reactions (n, 3) [N]."""
+    """Fill the places ``now`` (n_slots, N_NOW) of the contacts of pairs ``low`` to before ``high``,
+    and their trial reactions ``trial`` (n_slots, 3) [N]."""
     for c in range(first[low], first[high]):
         on_b = start[c, SIDE] > 0.0
         v = which[c, BODY_B] if on_b else which[c, BODY_A]
@@ -113,7 +123,7 @@ def locate(which, start, table, shear, first, low, high, motion, rotation, now, 
         g1 = motion[v, 1] - motion[f, 1] + m1
         g2 = motion[v, 2] - motion[f, 2] + m2
         d0, d1, d2 = start[c, FROM_F] + g0, start[c, FROM_F + 1] + g1, start[c, FROM_F + 2] + g2
-        # (R_f^T - I) d is that of the transpose.
+        # (R_f^T - I) d, with the transpose of the rotation.
         g0 += rotation[f, 0, 0] * d0 + rotation[f, 1, 0] * d1 + rotation[f, 2, 0] * d2
         g1 += rotation[f, 0, 1] * d0 + rotation[f, 1, 1] * d1 + rotation[f, 2, 1] * d2
         g2 += rotation[f, 0, 2] * d0 + rotation[f, 1, 2] * d1 + rotation[f, 2, 2] * d2
@@ -136,7 +146,7 @@ def locate(which, start, table, shear, first, low, high, motion, rotation, now, 
         now[c, ARM_F + 1] = d1 - ball * now[c, NOW + 3]
         now[c, ARM_F + 2] = d2 - ball * now[c, NOW + 6]
         if ball > 0.0:
-            # Rolling: the rotation of v against f, to third order, times the radius.
+            # Rolling: the rotation of v relative to f, to third order, times the radius.
             w0 = 0.5 * (
                 rotation[v, 2, 1] - rotation[v, 1, 2] - rotation[f, 2, 1] + rotation[f, 1, 2]
             )
@@ -158,7 +168,8 @@ def locate(which, start, table, shear, first, low, high, motion, rotation, now, 
 
 @njit(cache=True, nogil=True)
 def relative(which, start, now, first, low, high, twist, found):
-    """How gaps and slips go (n, 3) with twists (n, 6) of the bodies, in axes of the world."""
+    """Fill ``found`` (n_slots, 3) with the rates of gaps and slips for twists (n, 6) of the bodies,
+    in axes of the world."""
     for c in range(first[low], first[high]):
         on_b = start[c, SIDE] > 0.0
         v = which[c, BODY_B] if on_b else which[c, BODY_A]
@@ -177,7 +188,8 @@ def relative(which, start, now, first, low, high, twist, found):
 
 @njit(cache=True)
 def twists(motion, axes, twist):
-    """Twists (n, 6) in axes of the world of motions (n, 6), rotations about the principal axes."""
+    """Fill ``twist`` (n, 6), in axes of the world, from motions (n, 6) whose rotations are about
+    the principal axes."""
     for i in range(motion.shape[0]):
         for d in range(3):
             twist[i, d] = motion[i, d]
@@ -190,9 +202,10 @@ def twists(motion, axes, twist):
 
 @njit(cache=True, nogil=True)
 def wrenches(start, now, first, low, high, reaction, wrench):
-    """What the contacts of each pair do to its bodies, (n_pairs, 2, 6), in axes of the world."""
+    """Fill ``wrench`` (n_pairs, 2, 6) with the forces and moments that the contacts of each pair
+    exert on its bodies, in axes of the world [N, N m]."""
     for p in range(low, high):
-        # Forces on b and moments on both, of which a gets the force reversed.
+        # The force on b, which acts reversed on a, and the moments on both.
         fx, fy, fz = 0.0, 0.0, 0.0
         ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for c in range(first[p], first[p + 1]):
@@ -225,9 +238,11 @@ def wrenches(start, now, first, low, high, reaction, wrench):
 
 @njit(cache=True)
 def sum_wrenches(begin, of_body, wrench, axes, force):
-    """Fill ``force`` (n, 6): of each body the wrenches of its pairs, moments about its axes.
+    """Fill ``force`` (n, 6) of each body with the sum of its wrenches, moments about its principal
+    axes.
 
-    ``of_body`` lists twice the pair, plus one where the body is b, of body i from ``begin[i]`` on.
+    ``of_body`` lists the pairs of body i from ``begin[i]`` on: twice the pair, plus one if the body
+    is b.
     """
     for i in range(force.shape[0]):
         f0, f1, f2, m0, m1, m2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -306,8 +321,10 @@ def _add_material(now, table, response, c, side, total):
 
 @njit(cache=True)
 def _add_geometric(now, reaction, c, ball, total, at):
-    """Add a contact's force, F v^T and r n F^T to ``total`` from ``at`` on, v its arm from body v,
-    r the radius of its corner."""
+    """Add F, F v^T and r n F^T of a contact to ``total`` from ``at`` on.
+
+    F is its force, v its arm from the centroid of body v, r the radius of its corner.
+    """
     r0, r1, r2 = reaction[c, 0], reaction[c, 1], reaction[c, 2]
     v0, v1, v2 = now[c, ARM_V], now[c, ARM_V + 1], now[c, ARM_V + 2]
     x = now[c, NOW] * r0 + now[c, NOW + 1] * r1 + now[c, NOW + 2] * r2
@@ -359,8 +376,8 @@ def _spread_material(total, d0, d1, d2, aa, ab, ba, bb):
 
 @njit(cache=True)
 def _spread_geometric(total, at, sense, way, vv, vf, fv, ff):
-    """Add the geometric part of the contacts of one sense to the blocks (6, 6) of a pair; ``sense``
-    times ``way`` (3,) leads from f's centroid to v's."""
+    """Add the geometric part to the blocks (6, 6) of a pair, of its contacts with the same body v;
+    ``sense`` times ``way`` (3,) leads from the centroid of f to that of v."""
     by_v = total[at + 3] + total[at + 7] + total[at + 11]
     by_n = total[at + 12] + total[at + 16] + total[at + 20]
     by_d = total[at] * way[0] + total[at + 1] * way[1] + total[at + 2] * way[2]
@@ -390,22 +407,24 @@ def _spread_geometric(total, at, sense, way, vv, vf, fv, ff):
         ff[3 + i, 3 + i] += by_v + by_n + sense * by_d
 
 
-# Many: contacts, what they carry, and the blocks that are filled.
+# Many: contacts, their reactions, and the blocks that are filled.
 @njit(cache=True, nogil=True)
 def stiffness(
     which, start, now, table, first, low, high, reaction, response, axes, diagonal, upper, lower,
 ):  # fmt: skip
-    """Stiffness of the contacts of pairs ``low`` to ``high``, of minus forces, geometric part and
-    all.
+    """Stiffness of the contacts of pairs ``low`` to before ``high``: the derivative of minus their
+    forces, geometric part included.
 
-    With r the arms from body a and B = E A diag(k_n, k_s, k_s) E^T, the material part is
+    With A the responses, r the arms from body a and B = E A diag(k_n, k_s, k_s) E^T, the material
+    part is
 
         K_aa = sum [[B, -B [r]], [[r] B, -[r] B [r]]],    K_ab = -K_aa T,    K_bb = T^t K_aa T,
 
-    T = [[1, -[d]], [0, 1]] with d from b's centroid to a's.  The geometric part takes the sums of
-    F, F v^T and r n F^T, of contacts with v = b and with v = a.
-    Filled: ``diagonal`` (n_pairs, 2, 6, 6), what each pair adds to the blocks of its bodies in axes
-    of the world; ``upper`` and ``lower``, see `Tangent`.
+    T = [[1, -[d]], [0, 1]] with d from the centroid of b to that of a.  The geometric part follows
+    from the sums of F, F v^T and r n F^T, separately for contacts with v = b and with v = a.
+
+    Filled are ``diagonal`` (n_pairs, 2, 6, 6), what each pair adds to the diagonal blocks of its
+    two bodies, in axes of the world; and ``upper`` and ``lower``, see `Tangent`.
     """
     total, way = np.zeros(N_TOTAL), np.zeros(3)
     for p in range(low, high):
@@ -426,7 +445,7 @@ def stiffness(
             else:
                 on_a = True
                 _add_geometric(now, reaction, c, start[c, BALL], total, ON_A)
-        for i in range(6):  # so far they hold B [r], which the stiffness has with a minus sign
+        for i in range(6):  # these columns hold B [r], which has a minus sign in the stiffness
             for j in range(3, 6):
                 total[6 * i + j] = -total[6 * i + j]
         c = first[p]
@@ -445,7 +464,8 @@ def stiffness(
 
 @njit(cache=True)
 def _about_axes(block, axes, r, c):
-    """Turn a block (6, 6) of forces on body r by motions of body c to principal axes, in place."""
+    """Turn a block (6, 6), of forces on body r by motions of body c, from axes of the world to the
+    principal axes of both, in place."""
     a00, a01, a02 = axes[c, 0, 0], axes[c, 0, 1], axes[c, 0, 2]
     a10, a11, a12 = axes[c, 1, 0], axes[c, 1, 1], axes[c, 1, 2]
     a20, a21, a22 = axes[c, 2, 0], axes[c, 2, 1], axes[c, 2, 2]
@@ -466,8 +486,8 @@ def _about_axes(block, axes, r, c):
 
 @njit(cache=True)
 def sum_diagonals(begin, of_body, part, axes, diagonal):
-    """Fill the diagonal blocks (n, 6, 6) from those of each body's pairs, turned to its principal
-    axes; see `sum_wrenches`."""
+    """Fill the diagonal blocks (n, 6, 6) with the sums of ``part`` (n_pairs, 2, 6, 6) over the
+    pairs of each body, turned to its principal axes; see `sum_wrenches`."""
     for i in range(diagonal.shape[0]):
         diagonal[i, :, :] = 0.0
         for j in range(begin[i], begin[i + 1]):

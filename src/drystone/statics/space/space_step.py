@@ -27,7 +27,7 @@ from drystone.statics.static_step import StaticStep
 
 
 class SpaceStep(StaticStep):
-    """See `StaticStep`."""
+    """A `StaticStep` in space."""
 
     def __init__(self, loaded: Loaded, pairs: Pairs) -> None:
         super().__init__(loaded, pairs)
@@ -47,7 +47,7 @@ class SpaceStep(StaticStep):
         self._begin_again(slots, branch)
 
     def _begin_again(self, slots: Slots, branch: IntArray) -> None:
-        """Take on contacts where the step starts."""
+        """Take over the contacts ``slots`` where the step starts."""
         for mine, theirs in zip(self.known, slots, strict=True):
             mine[:] = theirs
         self.found_at = None
@@ -60,10 +60,12 @@ class SpaceStep(StaticStep):
         """Update the contacts of pairs that press each other at features that were not followed.
 
         Blocks that come together within a step may touch with other features than those followed
-        from afar, and overlap there without a force; or a point where two edges cross has moved
-        along them.  The step then begins again, with the contacts that such pairs have where the
-        blocks are now; these inherit the history of those followed.  Returns whether there are any
-        with an overlap worth more than `Accuracy.pressed`.
+        from afar, and overlap there without a force.  Also, a point where two edges cross may have
+        moved along the edges.  The step then begins again with the contacts that such pairs have
+        where the blocks are now.  These contacts inherit the history of those followed.
+
+        Returns whether there are such pairs.  Their overlap must be worth a force of more than
+        `Accuracy.pressed`, and pairs with an intact bond do not count.
         """
         pairs, n = self.pairs, self.n
         self._find()
@@ -103,10 +105,10 @@ class SpaceStep(StaticStep):
         return True
 
     def _held_falsely(self) -> BoolArray:
-        """Pairs (n_pairs,) that are pressed deeper on faces that were followed than they overlap.
+        """Pairs (n_pairs,) whose followed contacts press deeper than the blocks overlap.
 
-        Blocks that were one beside the other, with an edge on an edge, where the step began may be
-        one on the other where it ends.
+        Such contacts lie on faces that are no longer those in contact.  For example, two blocks may
+        stand side by side, edge on edge, where the step begins, and on each other where it ends.
         """
         pairs, n, faces = self.pairs, self.n, slice(EDGE_A, EDGE_B + 1)
         known, found = self.known.which, self.found.which
@@ -120,7 +122,7 @@ class SpaceStep(StaticStep):
         return turned & (depth > overlap + self.accuracy.depth)
 
     def _crushed(self) -> Array:
-        """Closure [m] that the contacts of each pair, (n_pairs,), have been crushed by at most."""
+        """Largest closure by crushing of the contacts of each pair, (n_pairs,) [m]."""
         crushed = np.zeros(self.pairs.n_pairs)
         closure = -self._aged()[:, DILATION]
         np.maximum.at(crushed, self.pairs.of_slot, closure)
@@ -192,7 +194,8 @@ class SpaceStep(StaticStep):
 
 
 def _pairs_of_bodies(pairs: Pairs, n: int) -> tuple[IntArray, IntArray]:
-    """Where the pairs of each body begin, (n + 1,), in a list of 2 pair + (1 where it is b)."""
+    """A list (2 n_pairs,) of the pairs of each of ``n`` bodies: twice the pair, plus one if the
+    body is b; and where each body begins in this list, (n + 1,).  The latter is returned first."""
     body = np.column_stack((pairs.a, pairs.b)).ravel()
     order = np.argsort(body, kind="stable")
     begin = np.searchsorted(body[order], np.arange(n + 1))
