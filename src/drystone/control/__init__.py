@@ -1,6 +1,7 @@
-"""Controls: what to apply next, and when to stop, from what was applied and carried so far.
+"""Controls, which users know as strategies: they choose the next step, and end the curve.
 
-They know nothing of blocks or contacts and hold no state of their own.
+They decide from the reports of the steps so far.  They know nothing of blocks or contacts.  A
+control holds no state of its own: its state is passed to it with each report.
 """
 
 from drystone.control.base import Control, ControlError, Decision

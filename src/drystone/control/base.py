@@ -12,7 +12,7 @@ from drystone.engines.base import Demand, StepReport
 if TYPE_CHECKING:
     from drystone.control.stops import Stops
 
-#: What one control remembers, which only it looks into.
+#: What one control remembers.  Only this control reads it.
 Memory = TypeVar("Memory")
 
 
@@ -27,7 +27,7 @@ class Settings(Protocol):
 
     @property
     def stops(self) -> Stops:
-        """When the curve ends, beside what the strategy says."""
+        """Conditions that end the curve, beside those of the strategy."""
         ...
 
 
@@ -45,11 +45,12 @@ def check_settings(settings: Settings) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Decision(Generic[Memory]):
-    """What a control makes of a step.
+    """What a control decides after a step.
 
     `accept` says whether the step becomes a point of the curve; if not, the next step starts from
-    the same state again.  `demand` is None when the analysis is over, for the `reason` given.
-    `load_multiplier` is what the curve shows at the point, `dynamic` that it was passed in motion.
+    the same state again.  `demand` is the next step; it is None if the analysis is over, for the
+    `reason` given.  `load_multiplier` is the multiplier that the curve shows at the point.
+    `dynamic` says that the point was passed in motion.
     """
 
     accept: bool
@@ -61,12 +62,12 @@ class Decision(Generic[Memory]):
     jumped: bool = False  # see `CurvePoint`
     finished: bool = False  # over because the curve is complete, not because it cannot go on
     #: Load multipliers that the curve shows at the dynamic points within the step, see
-    #: `StepPath.dynamic_states`: of all, or of none where the step is tried again.
+    #: `StepPath.dynamic_states`: of all these points, or of none if the step is tried again.
     dynamic_multipliers: tuple[float, ...] = ()
 
 
 class Strategy(Generic[Memory]):
-    """What strategies share: their settings, and how they say what they have decided."""
+    """Base class of the strategies: their settings, and how they make a decision."""
 
     def __init__(self, settings: Any) -> None:
         self.settings = settings
@@ -77,7 +78,10 @@ class Strategy(Generic[Memory]):
     def _decided(
         self, state: Memory, end: End | None = None, *, accept: bool = True, **shown: Any
     ) -> Decision[Memory]:
-        """A decision to go on from a state, or to end; or to try the step again."""
+        """A decision to go on from a state, to try the step again (without ``accept``), or to end.
+
+        ``shown`` are further fields of the `Decision`.
+        """
         return Decision(
             accept=accept,
             demand=None if end else self._demand(state),
@@ -92,9 +96,9 @@ class Control(Protocol[Memory]):
     """A strategy that traces the curve."""
 
     def first(self, report: StepReport) -> Decision[Memory]:
-        """What to demand of the structure at rest under its own weight."""
+        """The first demand, of the structure at rest under its dead load."""
         ...
 
     def decide(self, state: Memory, demand: Demand, report: StepReport) -> Decision[Memory]:
-        """What to make of a step, and what to demand next."""
+        """Whether to accept a step, and what to demand next."""
         ...

@@ -3,21 +3,21 @@
 Each static step prescribes an increment of the control displacement; the multiplier is an unknown
 of the step.  The next increment depends on the iterations that the last step took.
 
-A step may pass over a fold of the path of equilibria, where the path turns back, if the multiplier
-hardly drops there and no block moves far by itself.  Else steps follow the path up to the fold, and
-one small step crosses it.  If that step finds no equilibrium, a block has come loose
-or the structure jumps to another shape.
+A step may pass over a fold of the path of equilibria if the multiplier hardly drops there and no
+block moves far by itself.  Otherwise steps follow the path up to the fold, and one small step
+crosses it.  If that step finds no equilibrium, a block has come loose, or the structure jumps to
+another shape.
 
 A jump is followed in motion.  The control displacement creeps on, and time steps are so short that
 inertia decides where the blocks go.  The time steps grow as the blocks come to rest.  Points that
-inertia helps to carry are marked dynamic.  Their multiplier is that of an instant and cannot end
+inertia helps to carry are marked dynamic.  Their multiplier is that of an instant, so it cannot end
 the curve: only a point at rest below the stop value can.  If the structure falls for long, and only
 a negative load would hold the control point back, it has collapsed in motion.  The curve then ends
 with its last point at rest.
 
-A step that hides a peak or a bend of the curve is repeated up to there.  The engine tells where,
-from the multiplier within the step.  The last step ends where the chord of the curve meets the stop
-value.
+If a step hides a peak or a bend of the curve, it is repeated with a shorter increment that ends at
+the peak or bend.  The engine reports where it is, from the multiplier within the step.  The last
+step ends where the chord of the curve meets the stop value.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ from drystone.control.ends import (
 )
 from drystone.engines.base import OVERSHOOT_PARTS, Demand, StepReport
 
-#: How a step is tried: along the path of equilibria; up to its fold; over the fold, to any
-#: equilibrium beyond.
+#: How a step is tried: along the path of equilibria; up to its fold; over the fold to an
+#: equilibrium beyond it.
 FOLLOWING, NEARING, CROSSING = 0, 1, 2
 
 
-#: Times that the stop value is looked for where the chord meets it.
+#: Times that a step is shortened to where its chord meets the stop value, before it is halved too.
 CHORDS = 2
 
 
-#: Steps since one failed, where none has.
+#: Number of steps since the last failure, if no step has failed.
 LONG_AGO = 1_000_000
 
 
@@ -62,44 +62,47 @@ class DisplacementSettings(EndSettings):
     first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
     floor_share: float = tolerances.FLOOR_SHARE  # smallest increment over the largest
     creep_share: float = tolerances.CREEP_SHARE  # first increment of a jump over the largest
-    # Smallest increment to a peak or a bend, over the largest; and how near to the stop value the
-    # last point must be, relatively.
+    # Smallest increment to a peak or a bend, over the largest increment; and the largest relative
+    # distance of the last point from the stop value.
     refined_share: float = tolerances.REFINED_SHARE
-    peak_share: float = tolerances.PEAK_SHARE  # of the peak, that a step may hide of it
-    # Overshoot, over the peak, that a step may have if it exceeds the peak.
+    # Largest height of a peak that a step may hide, over the peak.
+    peak_share: float = tolerances.PEAK_SHARE
+    # Largest overshoot, over the peak, of a step whose overshoot exceeds the peak.
     overshoot_share: float = tolerances.OVERSHOOT_SHARE
-    # Overshoot, over the peak, that any other step may have.
+    # Largest overshoot, over the peak, of any other step.
     drive_share: float = tolerances.DRIVE_SHARE
-    bend_share: float = tolerances.BEND_SHARE  # of the peak, that the curve may bend within a step
-    # Largest deviation of a block from the predictor, over the farthest motion.  It counts where
-    # the curve bends by more than `deviation_bend` of the peak, in steps longer than
+    bend_share: float = tolerances.BEND_SHARE  # largest bend of the curve in a step, over the peak
+    # Largest deviation of a block from the predictor, over the farthest motion.  It counts only if
+    # the curve bends by more than `deviation_bend` of the peak, and if the step is longer than
     # `deviation_step` of the largest.
     deviation_share: float = tolerances.DEVIATION_SHARE
     deviation_bend: float = tolerances.DEVIATION_BEND
     deviation_step: float = tolerances.DEVIATION_STEP
-    # Increment over the largest, up to which steps may use the full search.
+    # Increment, over the largest, up to which steps may use the full search.
     full_search_share: float = tolerances.FULL_SEARCH_SHARE
-    # Of the peak, by which a snap that is passed over may move the curve.
+    # Change of the multiplier at a fold, over the peak, up to which a step may pass over the fold.
     snap_share: float = tolerances.SNAP_SHARE
-    time_step: float = tolerances.JUMP_TIME_STEP  # s, first one of a jump
-    # Of a block, over the increment, above which a step is a jump.
+    time_step: float = tolerances.JUMP_TIME_STEP  # s, of the first step of a jump
+    # Motion of a block, over the increment, above which a step is a jump.
     snap_motion: float = tolerances.SNAP_MOTION
-    # Of a block in a step of a jump, over the largest increment, up to which its time step grows.
+    # Motion of a block in a step of a jump, over the largest increment, up to which its time step
+    # grows.
     jump_motion: float = tolerances.JUMP_MOTION
-    # Of a block in a longer step of a jump, over what it would be with the last acceleration, above
-    # which the step is tried again.
+    # Motion of a block in a step of a jump, over the motion that the last acceleration would give,
+    # above which the step is tried again.
     farther: float = tolerances.FARTHER
-    grow_iterations: int = 12  # of a step up to which increments grow
-    grown_after: int = 3  # steps after which increments grow again, of which one failed
+    grow_iterations: int = 12  # iterations of a step up to which increments grow
+    grown_after: int = 3  # steps after a failure until increments grow again
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
-    # Inertia of a step that is static again, over the applied force and, of the fastest block, over
-    # its weight.
+    # Inertia below which a step is static again: over the applied force, and, of the fastest block,
+    # over its weight.
     static_inertia: float = tolerances.STATIC_INERTIA
-    # Motion of a block, over the largest increment, in the parts of a jump in which the load holds
-    # the control point back, after which the structure has collapsed.
+    # Motion of a block, over the largest increment, after which the structure has collapsed.  It
+    # counts in the parts of a jump in which the load holds the control point back.
     fall_motion: float = tolerances.FALL_MOTION
-    jump_steps: int = 5000  # without rest after which a jump is not followed further; what falls
-    # moves by about the largest increment in each
+    # Steps without rest after which a jump is not followed further.  A falling block moves by about
+    # the largest increment in each.
+    jump_steps: int = 5000
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -107,48 +110,48 @@ class DisplacementSettings(EndSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class DisplacementState:
-    """What the control keeps from step to step."""
+    """What the control remembers from step to step."""
 
     increment: float  # m
-    highest: float = 0.0  # multiplier so far
+    highest: float = 0.0  # highest multiplier so far
     highest_at: float = 0.0  # m, control displacement there
     released: bool = False  # whether the load is taken off, so that loose blocks fall
     last: float = 0.0  # multiplier of the last point
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
-    n_shorter: int = 0  # times that this step was taken again to less than it had reached
-    n_jump_steps: int = 0  # since the structure was at rest
-    jump_time: float = 0.0  # s, that they took
-    fallen: float = 0.0  # m, in those of them that held the control point back
+    n_shorter: int = 0  # times that this step was repeated with a shorter increment
+    n_jump_steps: int = 0  # steps of the jump since the structure was at rest
+    jump_time: float = 0.0  # s, sum of the time steps of these steps
+    fallen: float = 0.0  # m, motion in those of these steps that held the control point back
     time_step: float = 0.0  # s, of a jump; 0 on the static path
-    acceleration: float = 0.0  # m/s2, in the last step of the jump, of what moved farthest
-    shortened: bool = False  # whether the last one failed with a longer one
+    acceleration: float = 0.0  # m/s2, of the fastest block in the last step of the jump
+    shortened: bool = False  # whether this step of a jump has failed with a longer time step
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    # s, time of the jump at which it seemed to be over; 0 once a static step has followed
+    # s, duration of the jump when it seemed to be over; 0 once a static step has followed
     rested_at: float = 0.0
-    load_increment: float = 0.0  # of a step with a given multiplier; 0 where displacements are
+    load_increment: float = 0.0  # of a step with a given multiplier; 0 under displacement control
     loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows
-    next_load: float = 0.0  # increment with which it grows next, until a displacement succeeds
-    closing: float = math.inf  # m, of the joint that closes most under the dead load
+    next_load: float = 0.0  # next load increment, until a displacement increment succeeds
+    closing: float = math.inf  # m, closure of the joint that closes most under the dead load
     stage: int = FOLLOWING
     unstable: bool = False  # whether the last point was an unstable equilibrium
 
 
 class DisplacementControl(Strategy[DisplacementState]):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: DisplacementSettings
 
     def first(self, report: StepReport) -> Decision[DisplacementState]:
-        """A small first increment, in stiff joints no larger than what they close by."""
+        """Demand a small first increment, no larger than joints close under the dead load."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
         first = min(s.first_share * s.displacement_step, closing)
         return self._decided(self._begun(first, closing))
 
     def _begun(self, increment: float, closing: float) -> DisplacementState:
-        """What is remembered at first."""
+        """The state before the first step."""
         return DisplacementState(increment=increment, closing=closing)
 
     def _demand(self, state: DisplacementState) -> Demand:
@@ -171,8 +174,8 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _wants_full_search(self, state: DisplacementState) -> bool:
         """Whether a static step may use the full search.
 
-        It may not where half of a failed step is tried next, nor where the step crosses a fold:
-        the motion there can be followed instead.
+        A long step may not: if it fails, a shorter one is tried.  A step that crosses a fold may
+        not either: if it fails, the motion is followed.
         """
         s = self.settings
         small = state.increment <= s.full_search_share * s.displacement_step
@@ -181,7 +184,7 @@ class DisplacementControl(Strategy[DisplacementState]):
     def decide(
         self, state: DisplacementState, demand: Demand, report: StepReport
     ) -> Decision[DisplacementState]:
-        """Try again with less where a step fails; else go on."""
+        """Try again with less if a step fails; otherwise go on."""
         if state.released:
             return self._begin_again(state, report)
         if state.load_increment:
@@ -202,7 +205,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if multiplier > state.highest and not report.dynamic:
             state = changed(state, highest=multiplier, highest_at=report.control_displacement)
         behind = advanced != 0.0 and report.control_displacement < state.highest_at
-        back = multiplier < 0.0 and behind  # where a bond breaks, by no more than rounding
+        back = multiplier < 0.0 and behind  # not as a bond breaks: then `advanced` is zero
         state = changed(
             state,
             n_steps=state.n_steps + 1,
@@ -233,7 +236,7 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _begin_again(
         self, state: DisplacementState, report: StepReport
     ) -> Decision[DisplacementState]:
-        """The load begins again where the structure has come to rest without any."""
+        """Begin to load again after the structure has come to rest without load."""
         if not report.converged:
             return self._decided(state, End(reason=report.reason), accept=False)
         s = self.settings
@@ -247,14 +250,16 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _under_load(
         self, state: DisplacementState, report: StepReport
     ) -> Decision[DisplacementState]:
-        """The load grows on where the control point turns back before the peak.
+        """Let the load grow on if the control point turns back before the peak.
 
-        As soon as the control point is beyond the fold again, displacements are prescribed once
-        more; and where no smaller growth of the load finds an equilibrium, which is the peak.
+        Displacements are prescribed again as soon as the control point is beyond the fold.  If even
+        the smallest increase of the load finds no equilibrium, this is the peak, and the jump from
+        it is followed in motion.
 
-        Blocks may jump far if the control point moves back, as where a bond breaks: with the
-        control point held, the structure would fall below the load that it carries.  Far ahead of
-        the fold an equilibrium may be one that the structure only reaches by falling.
+        Blocks may jump far if the control point moves back, for instance as a bond breaks: with the
+        control point held, the structure would fall below the load that it carries.  A far jump
+        ahead of the fold is not accepted, because the structure may reach that equilibrium only by
+        falling.
         """
         s = self.settings
         near = report.motion <= s.displacement_step
@@ -287,21 +292,21 @@ class DisplacementControl(Strategy[DisplacementState]):
         return self._decided(state, over, load_multiplier=multiplier, jumped=not near)
 
     def _scale(self, state: DisplacementState) -> float:
-        """The multiplier that shares of the peak are of."""
+        """The multiplier that shares of the peak refer to: the peak so far, or a least value."""
         return max(state.highest, tolerances.LEAST_PEAK * self.settings.stop_multiplier)
 
     def _carried(self, state: DisplacementState) -> float:
-        """The highest multiplier so far, by which what falls has carried something."""
+        """The highest multiplier that the structure has carried so far."""
         return state.highest
 
     def _finer(self, state: DisplacementState, report: StepReport) -> float | None:
-        """A smaller increment where the step hides the peak, a bend or the stop value."""
+        """A smaller increment [m] if the step hides the peak, a bend or the stop value, or None."""
         s = self.settings
         multiplier = report.static_multiplier
         least = s.refined_share * s.displacement_step
         stop = s.stop_after(state.highest)
         if multiplier < stop < state.last:
-            # Aim just below the stop value, along the chord; that of a jump has nothing upon it.
+            # Aim just below the stop value, along the chord; a jump has no equilibria on its chord.
             if stop - multiplier <= s.refined_share * stop:
                 return None
             if self._is_jump(state, report):
@@ -309,7 +314,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             aim = (1.0 - 0.5 * s.refined_share) * stop
             share = (state.last - aim) / (state.last - multiplier)
             if state.n_shorter >= CHORDS:
-                share = 0.5 * share  # what is bent so much is found by halves
+                share = 0.5 * share  # the curve is bent so much that halving is better
             finer = share * state.increment
             return finer if finer > tolerances.LEAST_CHORD * least else None
         scale = max(self._scale(state), multiplier)
@@ -318,7 +323,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         excess, share = report.path.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > s.peak_share * scale and highest
-        finest = min(least, s.refined_share * state.closing)  # stiff joints carry a peak early
+        finest = min(least, s.refined_share * state.closing)  # with stiff joints a peak comes early
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         bend, share = report.path.bend
@@ -326,14 +331,15 @@ class DisplacementControl(Strategy[DisplacementState]):
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         if report.unstable and not state.unstable and not state.n_shorter:
-            # Near by may be a stable equilibrium, and the unstable one be of another branch.
+            # A stable equilibrium may lie nearby, and the unstable one be of another branch.
             looked_at = self._looked_at(state)
             if looked_at is not None:
                 return looked_at
         return self._straighter(state, report, scale)
 
     def _looked_at(self, state: DisplacementState) -> float | None:
-        """A smaller increment where a step has come to another branch, if it is not too small."""
+        """A smaller increment [m] for a step that has come to another branch; None if it would be
+        too small."""
         s = self.settings
         finer = tolerances.LOOKED_AT_SHARE * state.increment
         return finer if finer > s.floor_share * s.displacement_step else None
@@ -341,11 +347,11 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _straighter(
         self, state: DisplacementState, report: StepReport, scale: float
     ) -> float | None:
-        """A smaller increment where blocks have deviated from the predictor.
+        """A smaller increment [m] if blocks have deviated from the predictor, or None.
 
         Joints have changed within the step, and blocks have changed their direction of motion.  The
-        step knows only its two ends, not where in between that was.  The error in the blocks'
-        places would remain.
+        step knows only its two ends, not where the change was.  The error in the places of the
+        blocks would remain.
         """
         s = self.settings
         if report.path.deviation is None or report.path.bend is None:
@@ -363,7 +369,8 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _nearer(
         self, state: DisplacementState, report: StepReport, scale: float, least: float
     ) -> float | None:
-        """A smaller increment where the curve, going on as it rose, might peak within the step."""
+        """A smaller increment [m] if the curve, continued with its last slope, might have a peak
+        within the step, or None; for engines that do not report excess and bend."""
         s = self.settings
         multiplier = report.static_multiplier
         finest = min(least, s.refined_share * state.closing)
@@ -372,7 +379,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             finer = self._less_overshoot(state, report, scale, finest)
             if finer is not None:
                 return finer
-            # A mean over a part of the step shows no peak that is sharper than the part is long.
+            # The overshoot is a mean over parts of the step, and shows no peak sharper than a part.
             unseen = ahead / OVERSHOOT_PARTS if state.last == state.highest else 0.0
             seen = unseen <= s.overshoot_share * scale
             if (
@@ -380,7 +387,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 and seen
                 and report.path.overshoot <= tolerances.NO_OVERSHOOT * s.overshoot_share * scale
             ):
-                return None  # nor was there a peak within the step
+                return None  # there was no peak within the step
         if state.last != state.highest or ahead <= 0.0:
             return None
         rise = max(multiplier - state.last, 0.0)
@@ -396,10 +403,10 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _less_overshoot(
         self, state: DisplacementState, report: StepReport, scale: float, finest: float
     ) -> float | None:
-        """A smaller increment where the overshoot of the step is too large.
+        """A smaller increment [m] if the overshoot of the step is too large, or None.
 
-        Either the step hides a peak, or inertia drives the blocks: joints slide that would have
-        stuck, or stick that would have slid, and their history stays changed.
+        Either the step hides a peak, or inertia drives the blocks.  In the second case joints slide
+        that would have stuck, or stick that would have slid, and their history stays changed.
         """
         s = self.settings
         overshoot, multiplier = report.path.overshoot or 0.0, report.static_multiplier
@@ -413,20 +420,21 @@ class DisplacementControl(Strategy[DisplacementState]):
         return max(min(max(most / overshoot, 0.25), 0.5) * state.increment, least)
 
     def _is_jump(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether blocks have moved too far for a step of the increment, past no equilibria."""
+        """Whether blocks have moved too far for the increment, so that there are no equilibria on
+        their way."""
         return report.motion > self.settings.snap_motion * state.increment
 
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the step is a jump to an equilibrium behind the start of the load.
 
-        The structure then fell while the load held the control point back: what stands there is
-        another structure than the one that was loaded.
+        The structure then fell while the load held the control point back.  It stands as another
+        structure than the one that was loaded.
         """
         behind = report.control_displacement < -self.settings.displacement_step
         return behind and not state.time_step and self._is_jump(state, report)
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a step has passed over a fold with a jump that is worth showing."""
+        """Whether a step has passed over a fold with a jump that the curve should show."""
         s = self.settings
         if state.time_step:
             return False
@@ -447,10 +455,10 @@ class DisplacementControl(Strategy[DisplacementState]):
         return abs(drop) > s.snap_share * self._scale(state)
 
     def _strays(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a step of a jump leads far beyond where its blocks were going.
+        """Whether a step of a jump leads much farther than the blocks were moving.
 
-        With a short time step its equations have one solution, with a long one they may have
-        several; the structure goes to the nearest.
+        With a short time step the equations have one solution.  With a long one they may have
+        several, of which the structure reaches the nearest.
         """
         s = self.settings
         expected = s.farther * state.acceleration * state.time_step**2
@@ -459,10 +467,11 @@ class DisplacementControl(Strategy[DisplacementState]):
 
     def _falls_freely(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the control point moves far without load within a step that ends at rest, and the
-        structure would carry again there.
+        structure would carry load again there.
 
-        Its block has fallen then, or what stood below it: what has landed is another structure than
-        the one that was loaded.  If it carries nothing at rest, that point ends the curve anyway.
+        The block of the control point, or a block below it, has then fallen, so that the structure
+        is another one than that which was loaded.  If it carries nothing at rest, the point ends
+        the curve anyway.
         """
         s, since = self.settings, math.inf
         stop = s.stop_after(state.highest)
@@ -478,10 +487,10 @@ class DisplacementControl(Strategy[DisplacementState]):
         return False
 
     def _would_end(self, state: DisplacementState, report: StepReport) -> bool:
-        """Whether a static step ends below the stop value.
+        """Whether a static step ends below the stop value, at an equilibrium that does not count.
 
-        An equilibrium far away need not be the one that the structure falls to.  An engine that
-        reports an overshoot has followed the step in motion, so that its end counts.
+        An equilibrium far away need not be the one to which the structure falls.  But an engine
+        that reports an overshoot has followed the step in motion, so that its end counts.
         """
         stop = self.settings.stop_after(state.highest)
         return report.static_multiplier < stop < state.last and report.path.overshoot is None
@@ -505,7 +514,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                     )
                 return self._lost(state, report, reason)
         elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
-            # The step has followed the collapse itself: there is nothing to creep through.
+            # The step has followed the collapse itself: there is no jump left to follow.
             return self._lost(state, report, report.reason)
         elif state.stage == CROSSING and self._load_grows_on(state):
             load = max(s.peak_share * self._scale(state), state.next_load)
@@ -525,11 +534,11 @@ class DisplacementControl(Strategy[DisplacementState]):
         return self._decided(state, accept=False)
 
     def _load_grows_on(self, state: DisplacementState) -> bool:
-        """Whether a larger load is tried where no displacement ahead has an equilibrium."""
+        """Whether a larger load is tried if no displacement ahead has an equilibrium."""
         return state.last == state.highest
 
     def _in_motion(self, state: DisplacementState) -> DisplacementState:
-        """The state from which a jump is followed, or one that seemed to be over and was not."""
+        """The state from which a jump is followed.  The jump may be one that seemed to be over."""
         first = self.settings.time_step
         return changed(state, stage=FOLLOWING, time_step=first, acceleration=0.0, n_since=LONG_AGO)
 
@@ -547,9 +556,9 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _lost(
         self, state: DisplacementState, report: StepReport, reason: str
     ) -> Decision[DisplacementState]:
-        """The end where no step succeeds: a collapse if blocks were seen to run away.
+        """End the curve because no step succeeds: with a collapse if blocks were seen to run away.
 
-        Blocks that only have not come to rest yet are no collapse.
+        Without dynamic states of a failed motion it is no collapse.
         """
         end = End(reason=reason)
         if report.path.dynamic_states and report.dynamic:
@@ -560,7 +569,7 @@ class DisplacementControl(Strategy[DisplacementState]):
 
     def _adapted(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
-        if report.reached < 1.0:  # a bond is about to break, or has broken: no farther than to it
+        if report.reached < 1.0:  # the step has ended early, where a bond breaks
             least = s.floor_share * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
@@ -568,15 +577,16 @@ class DisplacementControl(Strategy[DisplacementState]):
         scale = self._growth(state, report) if report.n_iterations <= s.grow_iterations else 1.0
         n_since = state.n_since + 1
         if n_since < s.grown_after:
-            scale = min(scale, 1.0)  # what has just failed would fail again
+            scale = min(scale, 1.0)  # a longer step has just failed, and would fail again
         increment = min(scale * state.increment, s.displacement_step)
         return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0, n_since=n_since)
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
-        """Growth of the increment after few iterations: the larger the overshoot, the less."""
+        """Factor for the next increment after few iterations: smaller for a larger bend or
+        overshoot."""
         s = self.settings
         if report.path.bend is not None:
-            # A bend goes with the square of the step.
+            # A bend is proportional to the square of the step.
             most = s.bend_share * self._scale(state)
             bend = max(report.path.bend[0], tolerances.TINY)
             return min(max(math.sqrt(tolerances.BEND_AIM * most / bend), 0.5), 2.0)
@@ -595,7 +605,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         state = changed(state, acceleration=report.motion / state.time_step**2)
         if state.shortened:
-            return changed(state, shortened=False)  # what has just failed would fail again
+            return changed(state, shortened=False)  # a longer time step has just failed
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
             return changed(state, n_since=n_since)
@@ -613,9 +623,9 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _is_static(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the structure is at rest.
 
-        In a jump, inertia hardly carries any more, and blocks do not move off faster and faster, as
-        they do where a jump begins.  Where it seemed to be over and was not, rest is looked for
-        again after twice as long a time: steps are longer and longer where nothing moves by itself.
+        A jump is over if inertia carries hardly anything, and blocks do not accelerate, as they do
+        at the beginning of a jump.  If a jump seemed to be over and was not, the next look comes
+        only after a longer time: time steps grow as long as nothing moves by itself.
         """
         s = self.settings
         if not state.time_step:
@@ -627,13 +637,13 @@ class DisplacementControl(Strategy[DisplacementState]):
         return inertia < s.static_inertia and report.motion <= tolerances.NO_FASTER * before
 
     def _over(self, state: DisplacementState, report: StepReport) -> End | None:
-        """Whether and why the analysis is over."""
+        """The end of the curve, or None if it goes on."""
         return self._over_in_motion(state, report) or end_of_curve(
             self.settings, self._progress(state, report)
         )
 
     def _progress(self, state: DisplacementState, report: StepReport) -> Progress:
-        """What the ends of a curve are judged by."""
+        """The figures by which the end of a curve is judged."""
         return Progress(
             multiplier=report.static_multiplier,
             highest=state.highest,
@@ -645,7 +655,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         )
 
     def _over_in_motion(self, state: DisplacementState, report: StepReport) -> End | None:
-        """Likewise, of what has fallen."""
+        """The end of a curve whose structure has fallen, or None."""
         s, carried = self.settings, self._carried(state)
         if self._thrown_back(state, report):
             return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)

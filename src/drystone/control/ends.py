@@ -1,4 +1,4 @@
-"""When a curve is over, and why, whatever the strategy."""
+"""When a curve is over, and why.  The strategies share these rules."""
 
 from __future__ import annotations
 
@@ -25,56 +25,60 @@ __all__ = [
     "stop_after",
 ]
 
-#: Steps in which whatever carries anything carries more than `NEXT_TO_NOTHING` of the stop value.
+#: Steps after which a structure that still carries less than `NEXT_TO_NOTHING` of the stop value
+#: carries nothing.
 EARLY = 100
-#: The same where the multiplier falls at once, by more than the stop value.
+#: The same number of steps if the multiplier falls at once to less than minus the stop value.
 AT_ONCE = 3
 
-#: Beginning of why a curve ends in motion.
+#: Beginning of the reason of a curve that ends in motion.
 COLLAPSED = say("end.collapsed", how="").removesuffix(": ")
 
 
 @dataclass(frozen=True, kw_only=True)
 class EndSettings:
-    """What every strategy's settings say about the end."""
+    """Settings of the end of a curve, which all strategies have."""
 
     stop_multiplier: float = (
         tolerances.STOP_MULTIPLIER
     )  # under which the curve ends, after the peak
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
-    farthest: float = math.inf  # m, that the control point moves: what is lifted has no end
+    farthest: float = math.inf  # m, of the control point: a block that is lifted moves for ever
 
     def stop_after(self, highest: float) -> float:
-        """The multiplier under which a curve with such a peak ends."""
+        """The multiplier below which a curve whose peak is ``highest`` ends."""
         return stop_after(highest, self.stop_multiplier)
 
 
 def stop_after(highest: float, stop_multiplier: float) -> float:
-    """The multiplier under which a curve with a peak ends: the stop value, or, where that is the
-    default, a share of the peak that is less; of a peak that is followed at all."""
+    """The multiplier below which a curve whose peak is ``highest`` ends.
+
+    It is the stop value.  If the stop value is the default, it is a share of the peak, if that is
+    less; but not for peaks below the least load, which are not followed.
+    """
     if stop_multiplier != tolerances.STOP_MULTIPLIER or highest <= tolerances.LEAST_LOAD:
         return stop_multiplier
     return min(stop_multiplier, tolerances.STOP_SHARE * highest)
 
 
 def fallen_freely(highest: float, stop_multiplier: float) -> End:
-    """The end of what has fallen for long without load: of a complete curve, if ever it carried."""
+    """The end of a structure that has fallen for long without load; see `collapsed`."""
     return collapsed(say("end.no_load"), highest, stop_multiplier)
 
 
 def collapsed(how: str, highest: float, stop_multiplier: float) -> End:
-    """The end in motion: of a complete curve, if ever it carried."""
+    """The end in motion.  The curve is complete if its peak ``highest`` exceeds the stop value."""
     carried = highest > stop_after(highest, stop_multiplier)
     return End(reason=say("end.collapsed", how=how), finished=carried)
 
 
 def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
-    """The end of a curve that has come so far, or None.
+    """The end of a curve at this point, or None if it goes on.
 
-    A multiplier passed in motion ends nothing: what moves may come to rest and carry again.  Nor
-    does one where the control point has moved back behind the peak: a block comes loose, and the
-    rest, relieved of the load, still stands as it stood.  Nor one to which the multiplier has
-    dropped where a bond broke, or from which it rises: the rest of the joint takes the load up.
+    A low multiplier does not end the curve in three cases.  In motion, blocks may come to rest and
+    carry again.  If the control point has moved back behind the peak, a block has come loose, and
+    the rest, relieved of the load, still stands as before.  If the multiplier has dropped as a bond
+    broke, or rises again, the rest of the joint takes up the load.
     """
     s, p = settings, progress
     onwards = p.may_end(p.highest_at)
@@ -101,7 +105,7 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
 
 
 def carries_nothing(settings: EndSettings, highest: float) -> bool:
-    """Whether the highest multiplier so far is none to speak of."""
+    """Whether the highest multiplier so far is negligible."""
     return highest < tolerances.NEXT_TO_NOTHING * settings.stop_multiplier
 
 

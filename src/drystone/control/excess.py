@@ -1,9 +1,9 @@
 """Load increments without bias, for engines that step under a given multiplier.
 
-Every step starts from rest under the static multiplier of the last point plus a small excess.  The
-excess adapts so that the fastest block moves by a given amount in the step; with a long time step
-it is tiny.  What the step's inertia took of it is known from virtual work, so that the point's
-static multiplier owes nothing to it (see `engines.measures`).
+Every step starts from rest, under the static multiplier of the last point plus a small excess.  The
+excess adapts so that the fastest block moves by a given amount in the step.  With a long time step
+the excess is tiny.  Virtual work tells which part of the excess went into inertia, so that the
+static multiplier of the point does not depend on the excess (see `engines.measures`).
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ class ExcessSettings(EndSettings):
 
     displacement_step: float  # m, of the fastest block in a step
     time_step: float = tolerances.EXCESS_TIME_STEP  # s
-    # Largest excess of the multiplier, over it where it is above one.
+    # Largest excess of the multiplier; relative to the multiplier if that is above one.
     increment: float = tolerances.EXCESS
-    # Displacement steps by which the control point goes on in motion, with less than the stop value
-    # carried, when a structure has collapsed.
+    # Motion of the control point, in displacement steps, after which the structure has collapsed.
+    # It counts in motion while less than the stop value is carried.
     fall: float = tolerances.EXCESS_FALL
-    # Likewise, whatever is carried; by default twice the smallest block.
+    # The same, whatever multiplier is carried; by default twice the smallest block.
     jump: float = tolerances.EXCESS_JUMP
 
     def __post_init__(self) -> None:
@@ -37,36 +37,35 @@ class ExcessSettings(EndSettings):
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessState:
-    """What the control keeps from step to step."""
+    """What the control remembers from step to step."""
 
     excess: float
-    time_step: float
-    static: float = 0.0  # multiplier of the last point
-    drop: float = 0.0  # by which it differed from the one before
-    advance: float = 0.0  # m, motion of the control point over that
-    # What virtual work said of it, where something seemed to be loose.
+    time_step: float  # s
+    static: float = 0.0  # static multiplier of the last point
+    drop: float = 0.0  # its absolute difference from that of the point before
+    advance: float = 0.0  # m, motion of the control point over that difference
+    # The static multiplier by virtual work, if a block seemed to be loose.
     virtual_work: float | None = None
-    highest: float = 0.0
+    highest: float = 0.0  # highest static multiplier so far
     highest_at: float = 0.0  # m, control displacement there
-    displacement: float = 0.0  # m, of the control point at the last point
-    # m, control displacement where less than the stop value was carried first, in motion, and ever
-    # since.
+    displacement: float = 0.0  # m, control displacement of the last point
+    # m, control displacement since which, in motion, less than the stop value has been carried.
     low_since: float | None = None
     moving: bool = False  # whether inertia helped to carry the last point
     static_at: float = 0.0  # m, control displacement of the last point at rest
-    # m, where a motion came to rest with less than the stop value carried and the load begins
-    # again, until the control point goes on from there.
+    # m, control displacement where a motion came to rest with less than the stop value carried, so
+    # that the load begins again; None after the control point has moved on from there.
     begun_at: float | None = None
     n_steps: int = 0
 
 
 class ExcessControl(Strategy[ExcessState]):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: ExcessSettings
 
     def first(self, report: StepReport) -> Decision[ExcessState]:
-        """A tenth of the largest excess."""
+        """Demand a step with a small share of the largest excess."""
         s = self.settings
         return self._decided(self._fresh(tolerances.FIRST_EXCESS * s.increment, s.time_step))
 
@@ -74,7 +73,7 @@ class ExcessControl(Strategy[ExcessState]):
         return ExcessState(excess=excess, time_step=time_step)
 
     def _demand(self, state: ExcessState) -> Demand:
-        # Without a negative multiplier: blocks that it would hold back fall instead.
+        # The multiplier is not negative, so that blocks which it would hold back fall instead.
         return Demand(multiplier=max(state.static, 0.0) + state.excess, time_step=state.time_step)
 
     def decide(
@@ -96,18 +95,18 @@ class ExcessControl(Strategy[ExcessState]):
         if less is not None:
             return self._decided(changed(state, excess=less), accept=False)
         # In a steady step the applied multiplier exceeds the static one by little more than the
-        # excess.  Where it exceeds it by far more, a block has come loose, and its fall says
-        # nothing of the other blocks.  The carried multiplier, between static and applied, is then
-        # the safe one to continue from.
+        # excess.  If the difference is far larger, a block has come loose, and its fall says
+        # nothing about the other blocks.  The carried multiplier lies between the static and the
+        # applied one.  It is then the safe multiplier to continue from.
         applied = report.applied_multiplier
         explained = tolerances.LOOSE + 2.0 * (state.excess + state.drop)
         loose = abs(applied - report.static_multiplier) > explained
         if loose and self._steady(state, report):
-            # What was loose falls no more: the carried multiplier, kept, only pushes too much.
+            # Nothing falls any more.  The carried multiplier would only push too much.
             state = changed(state, excess=applied - report.static_multiplier)
             explained, loose = tolerances.LOOSE + 2.0 * (state.excess + state.drop), False
-        # Nor does a structure from rest tell of more than it was pushed with: where the pattern
-        # does next to no work on its motion, what virtual work says is noise.
+        # From rest, the static multiplier cannot exceed the applied one.  If it does, the load
+        # pattern does next to no work on the motion, and the result of virtual work is noise.
         beyond = report.static_multiplier > applied + tolerances.LOOSE
         static = report.carried_multiplier if loose or beyond else report.static_multiplier
         load = max(abs(applied), tolerances.LEAST_LOAD)
@@ -135,14 +134,15 @@ class ExcessControl(Strategy[ExcessState]):
         return changed(decision, load_multiplier=static, dynamic=dynamic)
 
     def _less(self, state: ExcessState, report: StepReport) -> float | None:
-        """The smaller excess with which a step is tried again that hides a peak or a bend."""
+        """The smaller excess with which a step that hides a peak or a bend is tried again; None if
+        it hides none."""
         nearer = self._nearer_to_peak(state, report)
         if nearer is not None:
             return nearer
         finest = self._finest(max(state.highest, report.applied_multiplier))
         if state.excess <= (1.0 + tolerances.ROUNDING) * finest or not self._yields(state, report):
             return None
-        # The finest of the step that is tried next, which the excess itself is part of.
+        # The finest excess of the next trial, whose applied multiplier contains the excess itself.
         finest = max(
             self._finest(state.highest),
             tolerances.HIDES / (1.0 - tolerances.HIDES) * max(state.static, 0.0),
@@ -150,14 +150,14 @@ class ExcessControl(Strategy[ExcessState]):
         return max(0.5 * state.excess, finest)
 
     def _finest(self, highest: float) -> float:
-        """The excess that hides neither a peak of that height nor a bend after it."""
+        """An excess that hides neither a peak of the multiplier ``highest`` nor a bend after it."""
         return max(tolerances.HIDES * highest, tolerances.FIRST_EXCESS * self.settings.increment)
 
     def _nearer_to_peak(self, state: ExcessState, report: StepReport) -> float | None:
         """The excess with which a step ends nearer to the peak that it has passed, or None.
 
-        Up to the peak it moves as in the step before, and from there by what exceeds it, while the
-        multiplier falls.
+        The estimate is that the structure moves as in the step before up to the peak, and beyond it
+        by the rest of the excess, while the multiplier falls.
         """
         peak = report.multiplier_at_start
         rise, fall = peak - state.static, peak - report.static_multiplier
@@ -167,18 +167,19 @@ class ExcessControl(Strategy[ExcessState]):
             return None
         moved = abs(report.control_displacement - state.displacement)
         if not 0.0 < tolerances.SOFTER * state.advance * rise < moved:
-            return None  # as soft as before, or the first step
+            return None  # the structure is as soft as before, or it is the first step
         if not beyond > tolerances.LEAST_EXCESS * self.settings.increment:
             return None
         nearer = rise + 0.5 * beyond * known / fall
         return nearer if nearer < tolerances.ALL_BUT * state.excess else None
 
     def _yields(self, state: ExcessState, report: StepReport) -> bool:
-        """Whether a step begins where less than half of the excess is carried."""
+        """Whether less than half of the excess is carried where a step ends."""
         return report.static_multiplier < report.applied_multiplier - 0.5 * state.excess
 
     def _step(self, state: ExcessState, report: StepReport) -> float:
-        """The motion to aim at [m]: less where the multiplier, since its peak, falls steeply."""
+        """The motion of the fastest block to aim at [m]: smaller if the multiplier has fallen
+        steeply since its peak."""
         largest = self.settings.displacement_step
         advanced = max(report.control_displacement - state.highest_at, largest)
         fallen = (state.highest - state.static) * largest / advanced  # in a displacement step
@@ -186,10 +187,10 @@ class ExcessControl(Strategy[ExcessState]):
         return largest * min(1.0, max(share, tolerances.LEAST_STEEP))
 
     def _steady(self, state: ExcessState, report: StepReport) -> bool:
-        """Whether the whole structure moves, and as it did in the step before.
+        """Whether the whole structure moves as it did in the step before.
 
-        The control point moves with it, and virtual work gives the same multiplier again.  A
-        negative static multiplier means a fall.
+        This is so if the control point moves with the rest, and virtual work gives the same
+        multiplier again.  A negative static multiplier means a fall.
         """
         if state.virtual_work is None or report.static_multiplier < 0.0:
             return False
@@ -208,7 +209,7 @@ class ExcessControl(Strategy[ExcessState]):
         return report.control_displacement if state.low_since is None else state.low_since
 
     def _begun(self, state: ExcessState, report: StepReport, dynamic: bool) -> ExcessState:
-        """The state with what is known of a motion that came to rest."""
+        """The state with `moving` and `begun_at` after this step."""
         s, begun_at = self.settings, state.begun_at
         if dynamic:
             begun_at = None
@@ -221,7 +222,8 @@ class ExcessControl(Strategy[ExcessState]):
         return changed(state, moving=dynamic, begun_at=begun_at)
 
     def _collapsed(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
-        """The end of what has moved too far from where it stood to stand as it did, or None."""
+        """The end of a structure that has moved too far from its last rest to be the same
+        structure, or None."""
         s = self.settings
         moved = (report.control_displacement - state.static_at) / s.displacement_step
         since = state.low_since
@@ -235,13 +237,13 @@ class ExcessControl(Strategy[ExcessState]):
         return None
 
     def _over(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:
-        """Whether and why the analysis is over."""
+        """The end of the curve, or None if it goes on."""
         return self._collapsed(state, report, dynamic) or end_of_curve(
             self.settings, self._progress(state, report, dynamic)
         )
 
     def _progress(self, state: ExcessState, report: StepReport, dynamic: bool) -> Progress:
-        """What the ends of a curve are judged by."""
+        """The figures by which the end of a curve is judged."""
         return Progress(
             multiplier=state.static,
             highest=state.highest,
@@ -268,7 +270,7 @@ class ExcessControl(Strategy[ExcessState]):
         step = self._step(state, report)
         share = step / max(report.motion, tolerances.LEAST_MOTION * s.displacement_step)
         if report.control_displacement < state.displacement:
-            share = 2.0  # pushed too little to go on
+            share = 2.0  # the excess was too small for the structure to go on
         growth = min(max(share, 0.5), tolerances.EXCESS_GROWTH)
         excess = min(state.excess * growth, self._largest(state))
         time_step = min(tolerances.EXCESS_TIME_GROWTH * state.time_step, s.time_step)

@@ -2,10 +2,10 @@
 
 Each leg applies an excess over the static multiplier, as in `control.excess`, in the sense of the
 leg.  `control.history` says what a leg is and what ends it.  The multiplier may have either sign:
-where blocks would fall back, the load holds them, and each step reduces the load by the excess.
+if blocks would fall back, the load holds them, and each step reduces the load by the excess.
 
 How far a step leads is known only at its end.  A step that leads beyond the target of its leg is
-repeated with less excess, by the rule of false position, until it ends there.
+repeated with a smaller excess, found by the rule of false position, until it ends at the target.
 """
 
 from __future__ import annotations
@@ -29,22 +29,24 @@ class ExcessHistorySettings(ExcessSettings):
     """Settings of the steps, and the targets."""
 
     targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
-    most_tries: int = 30  # at the excess that ends a step at its displacement
+    most_tries: int = 30  # trials of the excess with which a step ends at the target
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessHistoryState(ExcessState):
-    """The state within a leg, in its sense; the leg; what steps from its last point led to."""
+    """The state within a leg, in the sense of the leg; the leg; and the trials from its last
+    point."""
 
     leg: Leg = field(default_factory=Leg)
     tries: int = 0
-    #: Excess, and what was left to the displacement of the leg [m]: least and most.
+    #: The excess and the distance left to the target [m], of the largest excess that fell short of
+    #: the target, and of the smallest that led beyond it.
     short: tuple[float, float] = (0.0, math.inf)
     beyond: tuple[float, float] = (math.inf, 0.0)
 
 
 class ExcessHistoryControl(InLegs, ExcessControl):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: ExcessHistorySettings
     at_target = tolerances.AT_TARGET_OF_EXCESS
@@ -63,7 +65,7 @@ class ExcessHistoryControl(InLegs, ExcessControl):
     def decide(
         self, state: ExcessState, demand: Demand, report: StepReport
     ) -> Decision[ExcessState]:
-        """As in a monotonic curve, in the sense of the leg; then the next leg."""
+        """Decide as for a monotonic curve, in the sense of the leg; at its end begin the next."""
         assert isinstance(state, ExcessHistoryState)
         if report.converged:
             again = self._again(state, report)
@@ -73,8 +75,8 @@ class ExcessHistoryControl(InLegs, ExcessControl):
         return self._in_leg(state.leg, report, super().decide(state, demand, seen(report, sense)))
 
     def _again(self, state: ExcessHistoryState, report: StepReport) -> ExcessHistoryState | None:
-        """The state with another excess, where a step has not ended at the leg's displacement but
-        could; None where it is taken as it is."""
+        """The state with another excess, if a step has not ended at the target but could; None if
+        the step is to be taken as it is."""
         s, leg = self.settings, state.leg
         corner = self._corner(state, report)
         if corner is not None:
@@ -93,7 +95,7 @@ class ExcessHistoryControl(InLegs, ExcessControl):
         if math.isinf(short[1]):
             short = 0.0, before
         share = short[1] / (short[1] - beyond[1])
-        # Where one end stays, what is off there counts for less and less.
+        # If one end of the interval stays, the limits move the trial away from it.
         share = min(max(share, tolerances.LEAST_SHARE_TRIED), 1.0 - tolerances.LEAST_SHARE_TRIED)
         excess = short[0] + share * (beyond[0] - short[0])
         if not short[0] < excess < beyond[0]:
@@ -101,9 +103,12 @@ class ExcessHistoryControl(InLegs, ExcessControl):
         return changed(state, excess=excess, tries=state.tries + 1, short=short, beyond=beyond)
 
     def _corner(self, state: ExcessHistoryState, report: StepReport) -> ExcessHistoryState | None:
-        """The state with hardly more than the excess with which the structure begins to move, where
-        it moved far with more, and more was carried at its end than at its start: the corner bounds
-        the area of a loop.  None where that is not so, or was tried."""
+        """The state with an excess that leads hardly beyond a corner of the curve, or None.
+
+        There is a corner if the structure moved far with the excess and carries more at the end of
+        the step than at its start: up to the corner it hardly moved.  The corner matters because it
+        bounds the area of a loop.  It is tried once.
+        """
         s, leg = self.settings, state.leg
         sense = leg.sense(s.targets)
         rise = sense * report.static_multiplier - state.static
@@ -116,7 +121,8 @@ class ExcessHistoryControl(InLegs, ExcessControl):
         return changed(state, excess=excess, tries=1)
 
     def _largest(self, state: ExcessState) -> float:
-        """As in a monotonic curve once the leg carries; before, there is no peak to be hidden."""
+        """As for a monotonic curve once the multiplier is positive; before, there is no peak that a
+        step could hide."""
         if state.static > 0.0:
             return super()._largest(state)
         return self.settings.increment * max(1.0, -state.static)

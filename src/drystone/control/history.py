@@ -1,15 +1,16 @@
 """Cyclic analysis: control displacements are reached one after another, in both senses.
 
-The path from one target displacement to the next is a leg.  A leg is a monotonic curve in its own
-sense: reports of the engine are converted into the sense of the leg, and demands are converted back
-into that of the structure.  So steps adapt, peaks and bends are found, and jumps are followed as in
-`control.displacement`.  The last step of a leg ends at its target.  The multiplier takes the sign
-that equilibrium asks for; on the return it is the structure that pulls.
+The path from one target displacement to the next is a leg.  In its own sense, a leg is a monotonic
+curve.  Reports of the engine are converted into the sense of the leg, and demands are converted
+back into the sense of the structure.  So steps adapt, peaks and bends are found, and jumps are
+followed as in `control.displacement`.  The last step of a leg ends at its target.  The multiplier
+takes the sign that equilibrium requires.  On the return the load may have to hold the structure
+back.
 
-A leg that leads away from zero may collapse: at rest the multiplier falls from above the stop value
-to below it, or moving blocks find no rest.  The curve is then complete.  Its reason names the leg,
-and the targets after it are left out.  On the return towards zero a multiplier of any sign ends
-nothing.
+The structure may collapse in a leg that leads away from zero: at rest, the multiplier falls from
+above the stop value to below it; or moving blocks find no rest.  The curve is then complete.  Its
+reason names the leg, and later targets are left out.  On the return towards zero, no multiplier
+ends the curve, whatever its sign.
 """
 
 from __future__ import annotations
@@ -37,43 +38,44 @@ class HistorySettings(DisplacementSettings):
     """Settings of the steps, and the targets."""
 
     targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
-    most_shorter: int = 8  # times that a step is taken again to a corner of the path
+    most_shorter: int = 8  # times that a step is shortened to a corner of the path
 
 
 @dataclass(frozen=True, kw_only=True)
 class Leg:
     """The path to one target displacement."""
 
-    number: int = 0  # of its target
+    number: int = 0  # index of its target
     begun: float = 0.0  # m, control displacement where it begins
-    now: float = 0.0  # m, of the last point
-    largest: float = 0.0  # multiplier so far, whatever its sign, in all legs
+    now: float = 0.0  # m, control displacement of the last point
+    largest: float = 0.0  # absolute value of the multiplier so far, in all legs
 
     def sense(self, targets: tuple[float, ...]) -> float:
-        """Of its motion, 1 or -1."""
+        """Sign of its motion, 1 or -1."""
         return 1.0 if targets[self.number] >= self.begun else -1.0
 
     def left(self, targets: tuple[float, ...]) -> float:
-        """How far it is yet [m]; negative beyond its target."""
+        """Distance to its target [m]; negative beyond it."""
         return self.sense(targets) * (targets[self.number] - self.now)
 
     def at(self, report: StepReport, multiplier: float) -> Leg:
-        """The leg with the last point where a report says, in the structure's sense."""
+        """The leg after a new point, by a report and a multiplier in the structure's sense."""
         largest = max(self.largest, abs(multiplier))
         return changed(self, now=report.control_displacement, largest=largest)
 
     def next(self) -> Leg:
-        """That which begins where this one ends."""
+        """The leg that begins where this one ends."""
         return changed(self, number=self.number + 1, begun=self.now)
 
     def named(self, targets: tuple[float, ...]) -> str:
-        """Which it is, for people."""
+        """A phrase that names the leg, for messages."""
         target = f"{targets[self.number]:.4g}"
         return str(say("end.leg", k=self.number + 1, n=len(targets), target=target))
 
 
 def seen(report: StepReport, sense: float) -> StepReport:
-    """A report with displacements and multipliers in a sense; applied twice, it changes nothing."""
+    """A report with displacements and multipliers in the sense 1 or -1.  Two conversions give the
+    report itself."""
     if sense > 0.0:
         return report
     fold, way = report.path.fold, report.path.dynamic_states
@@ -94,7 +96,7 @@ def seen(report: StepReport, sense: float) -> StepReport:
 
 
 def told(decision: Decision[Memory], sense: float) -> Decision[Memory]:
-    """A decision with multipliers in the structure's sense again."""
+    """A decision with multipliers converted back from the sense of a leg to the structure's."""
     if sense > 0.0:
         return decision
     return changed(
@@ -105,7 +107,8 @@ def told(decision: Decision[Memory], sense: float) -> Decision[Memory]:
 
 
 def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
-    """The end of a leg beyond the first before its displacement, or None; in its own sense."""
+    """The end of the curve before the target of a leg is reached, or None; for legs after the
+    first, with a progress in the sense of the leg."""
     s, p = settings, progress
     onwards = p.may_end(max(p.highest_at, 0.0))
     stop_value = s.stop_after(p.highest)
@@ -118,12 +121,12 @@ def over_in_leg(settings: EndSettings, progress: Progress) -> End | None:
 
 
 class InLegs:
-    """Mixed into a strategy, which works in the sense of a leg: that of the structure is told, and
-    where a leg ends the next one begins.
+    """Mixin for a strategy that works in the sense of a leg.  It converts decisions into the sense
+    of the structure, and begins the next leg where one ends.
 
-    ``_anew`` is what the state of a leg forgets at a point, ``_near`` how far from its displacement
-    a leg may end [m]; ``_turned`` is the state with which a leg begins, at rest where it goes back,
-    under the multiplier ``last`` in its sense.
+    ``_anew`` are the fields of the state that are reset at each point.  ``_near`` is the largest
+    distance [m] from the target at which a leg may end.  ``_turned`` makes the state with which a
+    leg begins if the motion reverses, under the multiplier ``last`` in the sense of that leg.
     """
 
     settings: Any
@@ -137,7 +140,8 @@ class InLegs:
         return float(self.at_target * self.settings.displacement_step)
 
     def _in_leg(self, leg: Leg, report: StepReport, decision: Decision[Any]) -> Decision[Any]:
-        """To continue the leg, to begin the next one, or to end the analysis."""
+        """The decision to continue the leg, to begin the next one, or to end the analysis, from one
+        in the sense of the leg."""
         targets = self.settings.targets
         sense = leg.sense(targets)
         decision = told(decision, sense)
@@ -162,13 +166,13 @@ class InLegs:
 
 @dataclass(frozen=True, kw_only=True)
 class HistoryState(DisplacementState):
-    """The state within a leg, in its sense, and the leg."""
+    """The state within a leg, in the sense of the leg, and the leg."""
 
     leg: Leg = field(default_factory=Leg)
 
 
 class HistoryControl(InLegs, DisplacementControl):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: HistorySettings
 
@@ -176,7 +180,7 @@ class HistoryControl(InLegs, DisplacementControl):
         return HistoryState(increment=increment, closing=closing)
 
     def _demand(self, state: DisplacementState) -> Demand:
-        """In the structure's sense, no farther than to the displacement of the leg."""
+        """The demand in the structure's sense, no farther than to the target of the leg."""
         assert isinstance(state, HistoryState)
         demand, targets = super()._demand(state), self.settings.targets
         if demand.increment is None:
@@ -187,7 +191,7 @@ class HistoryControl(InLegs, DisplacementControl):
     def decide(
         self, state: DisplacementState, demand: Demand, report: StepReport
     ) -> Decision[DisplacementState]:
-        """As in a monotonic curve, in the sense of the leg; then the next leg."""
+        """Decide as for a monotonic curve, in the sense of the leg; at its end begin the next."""
         assert isinstance(state, HistoryState)
         sense = state.leg.sense(self.settings.targets)
         if not state.time_step and demand.increment is not None:
@@ -207,15 +211,15 @@ class HistoryControl(InLegs, DisplacementControl):
         )
 
     def _finer(self, state: DisplacementState, report: StepReport) -> float | None:
-        """As in a monotonic curve, and to corners of the path however short the step: they bound
-        the area of a loop, where a contact sticks again at once."""
+        """As for a monotonic curve.  In addition, steps end at corners of the path, however short
+        they are: a corner, where a contact suddenly sticks again, bounds the area of a loop."""
         finer = super()._finer(state, report)
         if finer is not None:
             return finer
         s = self.settings
         if report.path.bend is not None:
             bend, share = report.path.bend
-        else:  # as if the curve went on as it rose, and then level
+        else:  # as if the curve went on with its last slope, and then level
             ahead = state.slope * state.increment
             bend = ahead - (report.static_multiplier - state.last)
             share = 1.0 - bend / ahead if ahead > 0.0 else 0.0
@@ -229,15 +233,15 @@ class HistoryControl(InLegs, DisplacementControl):
         return max(super()._scale(state), self._carried(state))
 
     def _carried(self, state: DisplacementState) -> float:
-        """Of all legs."""
+        """The highest multiplier that the structure has carried in all legs, whatever its sign."""
         assert isinstance(state, HistoryState)
         return max(state.highest, state.leg.largest)
 
     def _load_grows_on(self, state: DisplacementState) -> bool:
-        return False  # the displacement is held, and a return that nobody asked for is no cycle
+        return False  # under a larger load the control point might return, which no target asks for
 
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
-        return False  # where the control point is, the history says
+        return False  # the control point is where the targets put it
 
     def _falls_freely(self, state: DisplacementState, report: StepReport) -> bool:
         return report.control_displacement > 0.0 and super()._falls_freely(state, report)

@@ -15,19 +15,19 @@ class Progress:
     n_steps: int
     static: bool = True  # whether the last point is at rest
     highest_at: float = float("-inf")  # m, control displacement of the highest multiplier
-    #: Whether the multiplier fell to where it is, or stayed, as the control point went on.  Where a
-    #: bond or a tie breaks it drops while the control point stays, and rises again from there.
+    #: Whether the multiplier fell, or stayed, while the control point went on.  If a bond or a tie
+    #: breaks, the multiplier drops while the control point stays, and rises again afterwards.
     multiplier_falls: bool = True
 
     def may_end(self, least: float) -> bool:
-        """Whether its multiplier, if low, ends a curve whose control point went on from ``least``
-        [m]: at rest, and not as a bond breaks."""
+        """Whether a low multiplier may end the curve here: at rest, not as a bond breaks, and at a
+        control displacement of at least ``least`` [m]."""
         return self.static and self.multiplier_falls and self.displacement >= least
 
 
 @dataclass(frozen=True, kw_only=True)
 class End:
-    """Why the analysis is over; `finished` where the curve is complete."""
+    """Why the analysis is over; `finished` if the curve is complete."""
 
     reason: str
     finished: bool = False

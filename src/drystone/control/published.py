@@ -1,24 +1,25 @@
-"""The published strategy, section 2 and the flowchart of Bouckaert, Godio and de Almeida (2022).
+"""The published strategy: section 2 and the flowchart of Bouckaert, Godio and de Almeida (2022).
 
-Where its text can be read in several ways, it is read so:
+The paper can be read in several ways.  Here it is read as follows:
 
-- *Equal* multipliers are those that differ by no more than ``balance_tolerance``.
+- Multipliers are *equal* if they differ by no more than ``balance_tolerance``.
 - While applied and carried multipliers differ, the same multiplier is applied again.  A structure
-  in which their difference has not shrunk by a tenth within ``patience`` steps is past its peak,
-  and so is one that carries a tenth less than it did: it falls.  The flowchart taken literally
-  takes the first loaded step for the peak, because the carried multiplier lags behind.
-- Blocks are stopped at every step, on the ascending branch too: the wall runs away if they are
-  not stopped while the multiplier waits for balance.
+  is past its peak if their difference has not shrunk by a tenth within ``patience`` steps, or if it
+  carries a tenth less than before, because it falls.  Taken literally, the flowchart takes the
+  first loaded step for the peak, because the carried multiplier lags behind.
+- Blocks are stopped at every step, on the ascending branch too.  Otherwise the wall runs away while
+  the multiplier waits for balance.
 - The paper's time step is constant.  Here it adapts on the descending branch to a displacement
-  per step; the recursion's fixed point does not depend on it.
+  per step.  The fixed point of the recursion does not depend on it.
 - The analysis ends at a multiplier below ``stop_multiplier`` only on the descending branch, and
-  where the structure goes on under it without being carried by inertia.  One that stands under it
-  is loaded again, on points that are none of its branch; one that falls on for long has collapsed
-  in motion.
+  only if the structure moves on under it without help by inertia.  A structure that stands still
+  under it is loaded again, at points that do not belong to the branch.  A structure that falls on
+  for long has collapsed in motion.
 
-The curve's load multiplier is the applied one, as the paper plots it.  It is biased: see the page
-on theory.  Points at which more is applied than was ever carried in balance are marked dynamic: the
-bias of the descent, of several times ``overshoot - 1``, is no part of the peak.
+The load multiplier of the curve is the applied one, as in the paper's figures.  It is biased; see
+the page on theory.  The bias of the descent, several times ``overshoot - 1``, must not count as a
+part of the peak.  So points whose applied multiplier exceeds all those ever carried in balance are
+marked dynamic.
 """
 
 from __future__ import annotations
@@ -41,10 +42,10 @@ class PublishedSettings(EndSettings):
     overshoot: float = tolerances.OVERSHOOT  # applied over carried multiplier, descending
     # Difference of multipliers that counts as equal.
     balance_tolerance: float = tolerances.BALANCE_TOLERANCE
-    patience: int = 20  # steps without balance, and not approaching it, that mean the peak
+    patience: int = 20  # steps without balance, nor progress towards it, after the peak is passed
     time_step: float = tolerances.PUBLISHED_TIME_STEP  # s, ascending, and at first descending
-    # Of a block, over the displacement step, in motion and with next to nothing applied, after
-    # which the structure has collapsed.
+    # Motion of a block, over the displacement step, after which the structure has collapsed.  It
+    # counts in motion and under next to no load.
     fall_motion: float = tolerances.FALL_MOTION
 
     def __post_init__(self) -> None:
@@ -55,23 +56,23 @@ class PublishedSettings(EndSettings):
 class _State:
     multiplier: float
     descending: bool = False
-    highest: float = 0.0  # multiplier applied and carried in balance so far
-    waited: int = 0
-    missing: float = float("inf")  # of what is applied, when it last shrank by a tenth
-    carried: float = 0.0  # most of what is applied
-    time_step: float = 0.0
-    displacement: float = 0.0  # m, of the control point at the last point
-    fallen: float = 0.0  # m, that a block has moved in motion with next to nothing applied
+    highest: float = 0.0  # highest multiplier that was applied and carried in balance so far
+    waited: int = 0  # steps since balance, or since the difference last shrank by a tenth
+    missing: float = float("inf")  # difference of applied and carried when it last shrank so
+    carried: float = 0.0  # highest carried multiplier so far
+    time_step: float = 0.0  # s
+    displacement: float = 0.0  # m, control displacement of the last point
+    fallen: float = 0.0  # m, motion of a block under next to no load
     n_steps: int = 0
 
 
 class PublishedControl(Strategy[_State]):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: PublishedSettings
 
     def first(self, report: StepReport) -> Decision[_State]:
-        """The first increment."""
+        """Demand the first increment of the multiplier."""
         s = self.settings
         return self._decided(_State(multiplier=s.increment, time_step=s.time_step))
 
@@ -82,11 +83,11 @@ class PublishedControl(Strategy[_State]):
         """Ascend by increments, descend by the recursion on the carried multiplier."""
         decision = self._decide(state, demand, report)
         applied = report.applied_multiplier
-        # More than was ever carried in balance moves the structure, and is no peak.
+        # A multiplier above all those carried in balance moves the structure, and is no peak.
         beyond = decision.accept and applied > decision.state.highest
         low = state.descending and applied < self.settings.stop_after(state.highest)
         stands = low and not self._goes_on(state, report)
-        # What is applied is carried: the strategy's own measure of rest.
+        # The strategy's own measure of rest: the applied multiplier is carried.
         missing = abs(applied - report.carried_multiplier)
         moves = report.dynamic and missing > self.settings.balance_tolerance
         dynamic = moves or beyond or stands
@@ -122,7 +123,8 @@ class PublishedControl(Strategy[_State]):
         return self._decided(state)
 
     def _ascend(self, state: _State, report: StepReport) -> _State:
-        """On by an increment where what is applied is carried; past the peak where it is not."""
+        """Increase the multiplier if the applied one is carried; if it is not carried for too long,
+        the peak is passed."""
         s, applied = self.settings, report.applied_multiplier
         carried = max(state.carried, report.carried_multiplier)
         missing = abs(applied - report.carried_multiplier)
@@ -146,14 +148,15 @@ class PublishedControl(Strategy[_State]):
         )
 
     def _goes_on(self, state: _State, report: StepReport) -> bool:
-        """Whether the structure moves on, by more than its joints comply."""
+        """Whether the structure moves on, by more than its joints deform elastically."""
         moves = report.motion > tolerances.GOES_ON * self.settings.displacement_step
         return moves and report.control_displacement > state.displacement
 
     def _steady(self, state: _State, report: StepReport) -> bool:
-        """Whether inertia takes no more of what is applied than the recursion leaves to it.
+        """Whether inertia carries no more of the applied multiplier than the recursion implies.
 
-        Twice its overshoot, and a hundredth of the peak, by which the branch may fall in a step.
+        This is twice the overshoot, and a share `tolerances.LAG` of the peak, by which the branch
+        may fall in a step.
         """
         s, applied = self.settings, report.applied_multiplier
         left = 2.0 * (s.overshoot - 1.0) * abs(applied) + tolerances.LAG * state.highest

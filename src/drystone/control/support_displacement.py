@@ -1,9 +1,9 @@
-"""Support displacement, step by step: the curve is the reaction against the supports' motion.
+"""Support displacement, step by step: the curve shows the reaction against the supports' motion.
 
-Steps grow after few iterations and shrink where they find no stable equilibrium.  If the smallest
-step finds none either, it is taken in a short step of time, and then the supports are held: time
-steps grow as the blocks come to rest.  Either a joint has slipped and the structure rests again,
-and the supports go on; or it falls.
+Steps grow after few iterations, and become shorter if they find no stable equilibrium.  If the
+smallest step finds none either, it is taken as a short time step, and then the supports are held.
+Time steps grow as the blocks come to rest.  If a joint has slipped and the structure is at rest
+again, the supports go on.  Otherwise the structure falls.
 """
 
 from __future__ import annotations
@@ -22,60 +22,60 @@ from drystone.engines.base import Demand, StepReport
 
 @dataclass(frozen=True, kw_only=True)
 class SupportSettings:
-    """Settings of the steps; lengths are angles [rad] where supports rotate."""
+    """Settings of the steps.  If supports rotate, the lengths of steps are angles [rad]."""
 
-    largest: float  # m, how far supports go
+    largest: float  # m, displacement at which supports stop
     step: float  # m, largest step
-    unit: float  # N or N m, that the multiplier counts the reaction in
-    scale: float = 1.0  # m, by which an angle is a motion
+    unit: float  # N or N m, reaction of which the multiplier is one
+    scale: float = 1.0  # m, motion of a block per rad if supports rotate
     first_share: float = tolerances.FIRST_SHARE  # first step over the largest
     floor_share: float = tolerances.SUPPORT_FLOOR  # smallest step over the largest
-    # Motion of a block over that of the supports, or over as much as it was in the last step, above
-    # which it jumps.
+    # A step is a jump if a block moves by more than this factor farther than the supports, and
+    # than in proportion to the last step.
     jump_ratio: float = tolerances.JUMP_RATIO
-    most_jumps: int = 10  # of smallest steps in a row, after which it has fallen
-    # Over the weight, above which a point is passed in motion.
+    most_jumps: int = 10  # smallest steps with a jump in a row after which the structure falls
+    # Inertia over the weight above which a point is passed in motion.
     inertia: float = tolerances.STATIC_INERTIA
-    fall: float = math.inf  # m, that a block has moved with the supports held, when it has fallen
-    # s, first one with the supports held; 0 of engines that cannot follow them so
+    fall: float = math.inf  # m, motion with the supports held after which a block has fallen
+    # s, first time step with the supports held; 0 for engines that cannot follow such a motion
     jump_time_step: float = 0.0
-    jump_steps: int = 5000  # with the supports held, after which the motion is not followed further
-    # Of the largest reaction, by which it may leave its course in a step.
+    jump_steps: int = 5000  # steps with the supports held after which the motion is given up
+    # Largest deviation of the reaction from its last slope in a step, over the largest reaction.
     bend_share: float = tolerances.SUPPORT_BEND
     # Largest deviation of a block from the course of the last step, over the farthest motion.  It
-    # counts where the reaction leaves its own by more than `deviation_bend` of the largest, in
-    # steps longer than `deviation_step` of the largest.
+    # counts only if the reaction deviates by more than `deviation_bend` of the largest reaction,
+    # and if the step is longer than `deviation_step` of the largest step.
     deviation_share: float = tolerances.DEVIATION_SHARE
     deviation_bend: float = tolerances.DEVIATION_BEND
     deviation_step: float = tolerances.DEVIATION_STEP
-    time_step: float = 0.0  # s, of engines of dynamic formulations
-    grow_iterations: int = 12
+    time_step: float = 0.0  # s, for engines of dynamic formulations; 0 for others
+    grow_iterations: int = 12  # iterations of a step up to which steps grow
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
 
 
 @dataclass(frozen=True, kw_only=True)
 class _State:
-    step: float
-    moved: float = 0.0
+    step: float  # m, length of the next step
+    moved: float = 0.0  # m, by which the supports have moved
     n_steps: int = 0
-    reaction: float = 0.0
-    slope: float | None = None
-    greatest: float = 0.0
+    reaction: float = 0.0  # N or N m, at the last point
+    slope: float | None = None  # N/m, of the reaction in the last step
+    greatest: float = 0.0  # N or N m, largest reaction so far, whatever its sign
     jumps: int = 0  # in a row
-    # m, motion of the fastest block over that of the supports in the last step
+    # Motion of the fastest block over that of the supports in the last step
     motion_ratio: float = 0.0
     held_step: float = 0.0  # s, time step while the supports are held; 0 while they move
-    n_held: int = 0  # of these steps in a row
-    travelled: float = 0.0  # m, in these steps
+    n_held: int = 0  # steps in a row with the supports held
+    travelled: float = 0.0  # m, motion of blocks in these steps
 
 
 class SupportControl(Strategy[_State]):
-    """See the module's text."""
+    """The strategy of the module's text."""
 
     settings: SupportSettings
 
     def first(self, report: StepReport) -> Decision[_State]:
-        """The structure at rest on supports that have not moved."""
+        """Demand the first step, after the structure is at rest on supports that have not moved."""
         s = self.settings
         state = _State(
             step=s.first_share * s.step,
@@ -93,7 +93,7 @@ class SupportControl(Strategy[_State]):
         return Demand(settlement=min(state.step, left), time_step=s.time_step)
 
     def decide(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
-        """Try again with less where a step fails or is a jump; else go on."""
+        """Try again with less if a step fails or is a jump; otherwise go on."""
         if state.held_step:
             return self._held(state, demand, report)
         s, step, floor = self.settings, demand.settlement or 0.0, self._floor()
@@ -176,7 +176,7 @@ class SupportControl(Strategy[_State]):
         return self.settings.floor_share * self.settings.step
 
     def _held(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
-        """What a step of time with the supports held has come to."""
+        """Decide after a time step with the supports held."""
         s, h = self.settings, state.held_step
         if not report.converged:
             state = changed(state, held_step=0.5 * h)
@@ -220,7 +220,7 @@ class SupportControl(Strategy[_State]):
 
     @staticmethod
     def _fall(report: StepReport) -> End:
-        """A structure whose blocks move on falls; a step that is not solved shows nothing."""
+        """The end by a fall, if blocks move on.  A step that is not solved does not show a fall."""
         if not (report.converged or report.dynamic):
             return End(reason=say("end.supports_unsolved", why=report.reason))
         why = report.reason or "blocks move on by themselves"

@@ -1,4 +1,5 @@
-"""Conditions under which a curve stops that a number of [analysis] says, a file each."""
+"""Conditions under which a curve stops, each given by a number in [analysis] and defined in a file
+of its own."""
 
 from __future__ import annotations
 
@@ -12,11 +13,12 @@ from drystone.control.progress import End, Progress
 
 @dataclass(frozen=True, kw_only=True)
 class Stop:
-    """A condition: its key of [analysis], and the end of a curve that has come so far, or None."""
+    """A condition: its key in [analysis], and a function of the number and the progress that gives
+    the end of the curve, or None if the curve goes on."""
 
-    key: Key  # a number; with a default the condition always holds
+    key: Key  # a number; with a default the condition always applies
     end: Callable[[float, Progress], End | None]
-    first: bool = False  # whether it is asked before whether the curve is complete
+    first: bool = False  # whether it is checked before the strategy's own ends
 
     def problem(self, value: float) -> str | None:
         """What is wrong with a value, as a sentence that begins with its key."""
@@ -40,7 +42,7 @@ Stops = tuple[tuple[Stop, float], ...]
 
 
 def stops_of(options: Mapping[str, float]) -> Stops:
-    """The conditions that options name, and those that always hold."""
+    """The conditions that options name, and those that always apply."""
     found: list[tuple[Stop, float]] = []
     for name, stop in STOPS.own():
         default = None if stop.key.default is NEEDED else stop.key.default

@@ -1,4 +1,4 @@
-"""``max_displacement``: the curve ends where the control point has moved as far."""
+"""``max_displacement``: the curve ends if the control displacement reaches this value."""
 
 from __future__ import annotations
 

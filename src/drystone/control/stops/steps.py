@@ -1,4 +1,4 @@
-"""``max_steps``: the analysis stops after as many steps."""
+"""``max_steps``: the analysis stops after this number of steps."""
 
 from __future__ import annotations
 
