@@ -1,7 +1,7 @@
-"""Contacts as arrays that every kernel takes: candidate pairs, and what is found between them.
+"""Contacts as arrays that every kernel takes: candidate pairs, and the contacts between them.
 
-A pair of blocks owns a number of slots, one for each contact point that it may have at a time; how
-many that are is nobody else's business.  Solvers work on the slots in use, packed.
+A pair of convex parts owns a number of slots, one for each contact point that it may have at a
+time.  Only the narrow phase decides this number.  Solvers work on the slots in use, packed.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from drystone.geometry.motion import tangents
 NONE, VERTEX_B, VERTEX_A, VERTICES = 0, 1, 2, 3
 
 
-#: Columns of `Pairs.which`: blocks, their parts that are near, joint law, first slot.
+#: Columns of `Pairs.which`: blocks a and b, their parts, joint law, first slot.
 A, B, PART_A, PART_B, LAW, FIRST = range(6)
 
 #: Columns of `Contacts.which`.
@@ -26,20 +26,21 @@ SLOT, PAIR, BODY_A, BODY_B = range(4)
 
 
 class Pairs(NamedTuple):
-    """Candidate pairs, each with its joint law and its slots, and where they were made.
+    """Candidate pairs, each with its joint law and its slots, and the poses they were found in.
 
-    A pair is one of convex parts; blocks of several may meet in several pairs.  The slots of a pair
-    follow each other.  (Integers stand in one array, as each more is a tenth of a microsecond more
-    at every call of a kernel.)
+    A pair consists of two convex parts; blocks with several parts may meet in several pairs.  The
+    slots of a pair follow each other.  (Integers are in one array, because each further array costs
+    a tenth of a microsecond at every call of a kernel.)
     """
 
     which: IntArray  # (n_pairs, 6) blocks, parts, law, first slot
     of_slot: IntArray  # (n_slots,) pair of each slot
-    pose: Array  # (n, n_dof) poses they were found in
+    pose: Array  # (n, n_pose) poses in which the pairs were found
 
     @classmethod
     def of(cls, columns: Iterable[IntArray], n_slots: IntArray, pose: Array) -> Pairs:
-        """Pairs with these blocks, parts and laws, (n_pairs,) each, and so many slots each."""
+        """Pairs from columns of `which` but the last, (n_pairs,) each, and from the number of slots
+        of each pair, (n_pairs,)."""
         first = np.cumsum(n_slots) - n_slots
         return cls(
             which=np.column_stack((*columns, first)).astype(np.int64),
@@ -77,33 +78,35 @@ class Pairs(NamedTuple):
 #: edges of a and of b that face each other.
 KIND, FEATURE_A, FEATURE_B, EDGE_A, EDGE_B = range(5)
 
-#: Columns of `Slots.value`: gap [m], positive open; tributary size of the joint [m], in space [m2];
-#: in the plane see `contact.plane.narrow` for the others.  Of vectors the first of their columns.
+#: Columns of `Slots.value`: gap [m], positive open; tributary size of the joint [m], in space [m2].
+#: The others are of the plane, see `contact.plane.narrow`.  For vectors, the first of their columns
+#: is named.
 GAP, SIZE, RATIO, ROLL_A, ROLL_B, NORMAL, ARM_A, ARM_B = 0, 1, 2, 3, 4, 5, 7, 9
-#: Where a contact point lies on the edge of b from its first vertex on, over the edge's length: of
-#: points between the ends of an interface.
+#: For points between the ends of an interface: the distance from the first vertex of the edge of b,
+#: over the length of this edge.
 INSIDE = 11
 N_VALUES = 12
 
-#: The others in space: normal, first tangent, and arms from both centroids to the contact point,
-#: along the axes of the world.  Then what is frozen while a contact's features last: the point, in
-#: the axes of its body as designed; a place, the normal (away from the body) and the first tangent
-#: of the plane, in those of the plane's body; how far the surface lies beyond the point [m].
+#: The other columns in space: normal, first tangent, and arms from both centroids to the contact
+#: point, in axes of the world.  The rest is constant while the features of the contact stay the
+#: same: the point, in the designed axes of its body; then a place, the normal (away from the body)
+#: and the first tangent of the plane, in the designed axes of the plane's body; the distance of the
+#: surface beyond the point [m].
 NORMAL_3, TANGENT_3, ARM_A_3, ARM_B_3 = 2, 5, 8, 11
 POINT_3, PLACE_3, PLANE_NORMAL_3, PLANE_TANGENT_3, BALL_3 = 14, 17, 20, 23, 26
 N_VALUES_3 = 27
 
 
 class Layout(NamedTuple):
-    """Where the vectors of `Slots.value` begin, of the plane or of space."""
+    """First columns of the vectors in `Slots.value`, in the plane or in space."""
 
     dim: int
     n_values: int
     normal: int
-    tangent: int  # the first; in the plane the normal, which tells it
+    tangent: int  # the first tangent; in the plane the normal, from which it follows
     arm_a: int
     arm_b: int
-    ones: slice  # columns that are one where nothing meets
+    ones: slice  # columns that are one in slots that are not in use
 
 
 #: By the dimension.
@@ -122,18 +125,18 @@ class Slots(NamedTuple):
 
     @classmethod
     def empty(cls, n: int, dim: int) -> Slots:
-        """Slots of which none is in use."""
+        """``n`` slots, none of them in use."""
         layout = LAYOUTS[dim]
         which, value = np.full((n, 5), -1), np.zeros((n, layout.n_values))
         which[:, KIND], value[:, GAP], value[:, layout.ones] = NONE, np.inf, 1.0
         return cls(which, value)
 
     def copied(self) -> Slots:
-        """Slots of one's own, which later contact detection does not touch."""
+        """A copy, which later contact detection does not change."""
         return Slots(self.which.copy(), self.value.copy())
 
     def at(self, source: IntArray) -> Slots:
-        """The slots in ``source`` (n,), of which -1 is none."""
+        """The slots ``source`` (n,); a slot not in use where the source is -1."""
         taken, known = Slots.empty(len(source), self.dim), source >= 0
         taken.which[known] = self.which[source[known]]
         taken.value[known] = self.value[source[known]]
@@ -148,12 +151,12 @@ class Slots(NamedTuple):
 
     @property
     def feature(self) -> IntArray:
-        """(n_slots, 2)"""
+        """(n_slots, 2) of a and of b"""
         return self.which[:, FEATURE_A : FEATURE_B + 1]
 
     @property
     def edges(self) -> IntArray:
-        """(n_slots, 2)"""
+        """(n_slots, 2) of a and of b; in space faces"""
         return self.which[:, EDGE_A : EDGE_B + 1]
 
     @property
@@ -168,8 +171,8 @@ class Slots(NamedTuple):
 
     @property
     def ratio(self) -> Array:
-        """(n_slots,) tangential force over the reaction along the gradient of slip: 1, but where
-        two rounded corners of the plane touch; see `contact.plane.narrow`."""
+        """(n_slots,) tangential force over the reaction along the gradient of slip.  It is 1 except
+        between two rounded corners in the plane; see `contact.plane.narrow`."""
         ones = self.value[:, self.layout.ones]
         return ones[:, 0] if ones.shape[1] else np.ones(len(ones))
 
@@ -180,7 +183,7 @@ class Slots(NamedTuple):
 
     @property
     def layout(self) -> Layout:
-        """Where vectors begin."""
+        """First columns of vectors."""
         return _OF_WIDTH[self.value.shape[1]]
 
     @property
@@ -190,7 +193,7 @@ class Slots(NamedTuple):
 
     @property
     def tangents(self) -> Array:
-        """(n_slots, dim - 1, dim), along which tangential reactions are counted."""
+        """(n_slots, dim - 1, dim) directions of the tangential reactions."""
         return tangents(self.normal, self._vector(self.layout.tangent))
 
     @property
@@ -200,49 +203,51 @@ class Slots(NamedTuple):
 
     @property
     def arm_a(self) -> Array:
-        """(n_slots, dim) m"""
+        """(n_slots, dim) m, from the centroid of a to the contact point"""
         return self._vector(self.layout.arm_a)
 
     @property
     def arm_b(self) -> Array:
-        """(n_slots, dim) m"""
+        """(n_slots, dim) m, from the centroid of b to the contact point"""
         return self._vector(self.layout.arm_b)
 
     def _vector(self, first: int) -> Array:
         return self.value[:, first : first + self.layout.dim]
 
 
-#: Columns of the table of packed contacts.  First the parameters that change with the state of
-#: joints that yield, see `law.limits` and `law.strengths`: k_n [N/m], mu, what is added to the
-#: trial reaction, the tension that normal reactions are counted from, the cohesion intercept, and
-#: the crushing reaction, counted in the same way, or zero [N].  The current parameters of contacts
-#: (n_slots, N_CURRENT) are these per area [Pa/m, -, Pa]; CRUSH is infinite where joints are not
-#: crushed.
+#: Columns of the table of packed contacts.  The first columns are parameters that change with the
+#: state of joints that yield, see `law.limits` and `law.strengths`: k_n [N/m]; mu; a term added to
+#: the trial normal reaction [N]; the tension from which normal reactions are counted [N]; the
+#: cohesion intercept [N]; the crushing reaction, counted from the same tension, or zero if the
+#: joint is not crushed [N].  The current parameters of contacts (n_slots, N_CURRENT) are the same
+#: per area [Pa/m, -, Pa], but there CRUSH is infinite if the joint is not crushed.
 STIFF_N, FRICTION, SHIFT, PULL, INTERCEPT, CRUSH = 0, 1, 2, 3, 4, 5
 N_CURRENT = 6
-#: k_s, k_n tan psi [N/m], c A, f_t A [N], trial reactions [N], and what sliding that has ended
-#: within the step adds to them [N], with its length [m].
+#: k_s, k_n tan psi [N/m]; c A, f_t A [N]; the trial reactions [N]; what the slip that has ended
+#: within the step adds to them [N]; and the length of this slip [m].
 STIFF_T, LIFT, BOND, TENSILE = 6, 7, 8, 9
 TRIAL_N, TRIAL_T, ADD_N, ADD_T, PLASTIC = 10, 11, 12, 13, 14
-#: 1 where a bond is intact; in space (in the plane the branch BONDED says so).
+#: 1 if a bond is intact.
 INTACT = 15
 N_TABLE = 16
 
 
 class Contacts(NamedTuple):
-    """Contacts in use, packed: each row of the arrays is one, the first ``count`` of n are filled.
+    """Contacts in use, packed: each row of the arrays is one contact; the first ``count`` of n rows
+    are filled.
 
-    Reactions act along the gradients of gap and slip; slip may be measured by other gradients.
+    Reactions act along the gradients of gap and slip.  Slip may be measured by other gradients.
     """
 
     which: IntArray  # (n, 4) slot, pair, bodies
-    rows: Array  # (n, 2 dim - 1, 2 n_dof) gradients by the motions of both bodies: of the gap, of
-    # the slip, and those by which slip is measured
+    # (n, 2 dim - 1, 2 n_dof) gradients by the motions of both bodies: of the gap, of the slip, and
+    # those by which slip is measured
+    rows: Array
     table: Array  # (n, N_TABLE)
 
     @classmethod
     def empty(cls, n: int, dim: int, n_dof: int) -> Contacts:
-        """Memory for a number of contacts."""
+        """Memory for ``n`` contacts."""
         return cls(
             which=np.zeros((n, 4), np.int64),
             rows=np.zeros((n, 2 * dim - 1, 2 * n_dof)),
@@ -250,10 +255,10 @@ class Contacts(NamedTuple):
         )
 
     def of(self, rows: IntArray | slice) -> Contacts:
-        """Some of them: views where ``rows`` is a slice, else copies."""
+        """Some of the contacts: views if ``rows`` is a slice, otherwise copies."""
         return Contacts(self.which[rows], self.rows[rows], self.table[rows])
 
     @property
     def slot(self) -> IntArray:
-        """(n,), a view."""
+        """(n,) slot of each contact, a view."""
         return self.which[:, SLOT]

@@ -1,8 +1,8 @@
 """Contact detection: from an assembly and poses to the slots of its narrow phase.
 
-The pair list is made for boxes grown by a margin, and by half of what joints may dilate; it stays
-good until some block has moved by half the margin since.  Blocks that touch later are therefore
-always found.
+The pair list is made from bounding boxes, which are enlarged by a margin and by half of the largest
+dilation of a joint.  The list is complete until some block has moved by half the margin.  So blocks
+that touch later are always found.
 """
 
 from __future__ import annotations
@@ -25,41 +25,43 @@ from drystone.model.assembly import Assembly
 
 
 class NarrowPhase(Protocol):
-    """What a dimension adds: contact points of pairs of convex parts, see
-    `contact.plane.detection`."""
+    """The contact points of pairs of convex parts, in the plane or in space.
+
+    Shapes of arguments and results: see `contact.plane.detection`.
+    """
 
     bodies: Any
-    """Contact shapes as kernels take them; of both dimensions are the fields ``centroid`` (n, dim)
+    """Contact shapes as kernels take them.  Both dimensions have the fields ``centroid`` (n, dim)
     [m], as designed, and ``radius`` (n_parts,) [m]."""
 
     def place(self, pose: Array) -> Array:
-        """Core vertices in poses."""
+        """Core vertices in the poses."""
         ...
 
     def n_slots(self, part_a: IntArray, part_b: IntArray) -> IntArray:
-        """Contact points that pairs of parts may have."""
+        """Largest number of contact points of each pair of parts."""
         ...
 
     def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
-        """Find all contacts."""
+        """Find all contacts with gaps up to ``reach`` [m], into ``slots``."""
         ...
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
-        """Known contacts in other poses."""
+        """Evaluate the contacts ``known``, with the same features, in other poses."""
         ...
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
-        """The slot that each one inherits from."""
+        """The slot from which each slot inherits, or -1."""
         ...
 
     def rotate_shear(
         self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
     ) -> None:
-        """Tangential reactions taken along, along the new tangents."""
+        """Turn the tangential reactions ``had`` to the tangents of the slots that inherit them."""
         ...
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
-        """Contacts with gradients, for solvers."""
+        """Fill contacts with gradients, for solvers; returns their number."""
         ...
 
     def positions(self, pairs: Pairs, pose: Array, slots: Slots, used: IntArray) -> Array:
@@ -68,24 +70,25 @@ class NarrowPhase(Protocol):
 
 
 def narrow_phase(assembly: Assembly) -> NarrowPhase:
-    """That of the assembly's dimension."""
+    """The narrow phase for the dimension of the assembly."""
     if assembly.dimension == 2:
         return PlaneNarrowPhase(assembly)
-    from drystone.contact.space.detection import SpaceNarrowPhase  # plane models do without
+    from drystone.contact.space.detection import SpaceNarrowPhase  # not loaded for plane models
 
     return SpaceNarrowPhase(assembly)
 
 
 class Detector:
-    """Finds pairs and contacts of one assembly; has constant arrays and scratch, no state."""
+    """Finds pairs and contacts of one assembly.  It has constant arrays and scratch memory, but no
+    state."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
-        #: What knows the dimension.
+        #: The part that differs between plane and space.
         self.narrow = narrow_phase(assembly)
-        #: By how much blocks may come nearer before pairs and contacts are found anew [m].
+        #: Distance [m] by which two blocks may approach each other before pairs are found anew.
         self.margin = MARGIN_SHARE * assembly.smallest_extent
-        #: Largest gap at which a contact is watched [m]: what has dilated presses across it.
+        #: Largest gap [m] of a contact that is listed: a joint that has dilated presses across it.
         self.reach = self.margin + max(
             assembly.dilatancy_end(law) * math.tan(math.radians(law.dilatancy_angle))
             for law in assembly.laws
@@ -98,7 +101,8 @@ class Detector:
         self.extent = np.maximum.reduceat(reduce(np.hypot, shapes.vertices.T), first)
 
     def extents(self, pose: Array, axes: Array) -> tuple[Array, Array]:
-        """Lowest and highest coordinate of each body along unit vectors (k, dim), (n, k) each."""
+        """Lowest and highest coordinate [m] of each body along unit vectors ``axes`` (k, dim),
+        (n, k) each."""
         lower, upper = self._part_extents(pose, axes)
         first = self.first_part
         return np.minimum.reduceat(lower, first, axis=0), np.maximum.reduceat(upper, first, axis=0)
@@ -110,9 +114,10 @@ class Detector:
         return lower, np.maximum.reduceat(along, first, axis=0) + radius
 
     def pairs(self, pose: Array, departed: BoolArray | None = None) -> Pairs:
-        """Candidate pairs in the given poses, of parts of two blocks, not both of them supports.
+        """Candidate pairs in the given poses (n, n_pose): parts of two different blocks that are
+        near each other.
 
-        Blocks that are ``departed`` (n,) have none.
+        Pairs of two supports, and pairs of blocks that are ``departed`` (n,), are left out.
         """
         fixed, of_part = self.assembly.fixed, self.assembly.shapes.body
         lower, upper = self._part_extents(pose, np.eye(self.assembly.dimension))
@@ -128,26 +133,27 @@ class Detector:
         return Pairs.of(columns, self.narrow.n_slots(part_a, part_b), pose)
 
     def outdated(self, found_at: Array, pose: Array) -> bool:
-        """Whether some block has moved so far from poses in which pairs were found that one may be
-        missing."""
+        """Whether some block has moved so far from the poses in which pairs were found that a pair
+        may be missing."""
         return self.farthest(self.assembly.difference(pose, found_at)) > 0.5 * self.margin
 
     def travelled(self, pose: Array) -> Array:
-        """Bound on how far any point of each block is from its designed place [m], (n,)."""
+        """Upper bound of the displacement of any point of each block from the design [m], (n,)."""
         return self.motion(self.assembly.difference(pose, self.assembly.design_pose()))
 
     def motion(self, increment: Array) -> Array:
-        """Bound on the displacement of any point of each block [m], (n,), for pose increments."""
+        """Upper bound of the displacement of any point of each block [m], (n,), for increments
+        (n, n_dof)."""
         return bound(increment, self.extent)
 
     def farthest(self, increment: Array) -> float:
-        """The largest of these bounds [m]; not a number where an increment is none."""
+        """The largest of the bounds of `motion` [m]; NaN if an increment is NaN."""
         return farthest(increment, self.extent)
 
     def find(self, pairs: Pairs, pose: Array, before: Slots | None = None) -> Slots:
         """All contacts of the pairs in the given poses.
 
-        Where two choices of features are as good, those are kept that slots had ``before``.
+        If two choices of features are equally good, the one that the slots had ``before`` is kept.
         """
         slots = Slots.empty(pairs.n_slots, self.assembly.dimension)
         if before is not None:
@@ -156,16 +162,19 @@ class Detector:
         return slots
 
     def fill(self, pairs: Pairs, pose: Array, slots: Slots) -> None:
-        """Find all contacts of the pairs in the given poses, into ``slots``, whose features are
-        those to be kept where others are as good."""
+        """Find all contacts of the pairs in the given poses, into ``slots``.
+
+        The features that ``slots`` hold before are kept if others are only equally good.
+        """
         self.narrow.find(pairs, pose, self.reach, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
-        """The contacts in ``known``, by their features, in the given poses, into ``slots``."""
+        """Evaluate the contacts ``known``, with the same features, in the given poses, into
+        ``slots``."""
         self.narrow.follow(pairs, pose, known, slots)
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array) -> Contacts:
-        """The slots in use, found in ``pose``, as contacts with gradients and stiffnesses."""
+        """The slots in use, found in ``pose``, as contacts with gradients and stiffness."""
         assembly = self.assembly
         contacts = Contacts.empty(len(slots.kind), assembly.dimension, assembly.n_dof)
         return contacts.of(slice(self.narrow.pack(pairs, pose, slots, laws, contacts)))
@@ -173,9 +182,11 @@ class Detector:
     def forces(
         self, pairs: Pairs, pose: Array, slots: Slots, reaction: Array, status: IntArray
     ) -> ContactForces:
-        """Used slots as results; ``reaction`` (n_slots, dim) holds normal and tangential [N].
+        """The slots in use as results; ``reaction`` (n_slots, dim) [N] are normal and tangential
+        reactions, ``status`` (n_slots,) see `contact.forces`.
 
-        Forces and places are those by which the contacts act on the bodies, so that they balance.
+        Forces and places are those with which the contacts act on the bodies, so that they balance
+        the loads.
         """
         used = np.flatnonzero(slots.kind)
         which = pairs.which[pairs.of_slot[used]]

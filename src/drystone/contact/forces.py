@@ -19,13 +19,14 @@ def _of_none() -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactForces:
-    """One row per contact point that is near enough to be watched.
+    """One row per contact point, closed or with a small gap.
 
     The normal points from block ``a`` to block ``b``; the reaction acts on ``b``.
 
-    Where two rounded corners of the plane press each other, slip is the arc that they roll on their
-    undeformed radii, and the joint law holds for the force along it.  The tangential reaction here
-    is the force in balance: that one times the sum of the radii over the distance of the centres.
+    If two rounded corners of the plane press each other, slip is the arc that they roll on their
+    undeformed radii, and the joint law holds for the force along this arc.  The tangential reaction
+    here is the force that balances the loads.  It is the force of the joint law times the sum of
+    the radii over the distance of the centres.
     """
 
     block_a: IntArray  # (n_contacts,) row in the assembly
@@ -37,11 +38,12 @@ class ContactForces:
     normal_reaction: Array  # (n_contacts,) N, compression positive
     tangential_reaction: Array  # (n_contacts, dim - 1) N, along the tangents
     status: IntArray  # (n_contacts,) OPEN, STICKING or SLIDING
-    tangent: Array = field(default_factory=_of_none)  # (n_contacts, 3) in space: the first one;
-    # in the plane (n_contacts, 0), as it is the normal turned clockwise
+    # First tangent: (n_contacts, 3) in space; (n_contacts, 0) in the plane, where it is the normal
+    # turned clockwise.
+    tangent: Array = field(default_factory=_of_none)
 
     def __post_init__(self) -> None:
-        """Tangents that follow from the normals take no memory."""
+        """Drop tangents that follow from the normals, to save memory."""
         object.__setattr__(self, "tangent", tangents_kept(self.normal, self.tangent))
 
     @property
@@ -55,8 +57,8 @@ class ContactForces:
 
     @property
     def tangents(self) -> Array:
-        """Along which tangential reactions are counted, (n_contacts, dim - 1, dim); in space the
-        second is normal x first."""
+        """Directions of the tangential reactions, (n_contacts, dim - 1, dim); in space the second
+        tangent is normal x first."""
         return tangents(self.normal, self.tangent)
 
     def vectors(self) -> Array:
@@ -70,8 +72,11 @@ class ContactForces:
 
 @dataclass(frozen=True, kw_only=True)
 class ActedContacts:
-    """Contacts that a step was solved with, where the motion has carried them to; those that are
-    found there anew, on other features perhaps, are for the next step."""
+    """Contacts that a step was solved with, in the pose at its end.
+
+    The contacts that are found anew in this pose may have other features.  They are those of the
+    next step.
+    """
 
     pairs: Pairs
     slots: Slots

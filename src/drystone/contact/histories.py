@@ -1,4 +1,4 @@
-"""Which contact inherits the history of which, and what it inherits: for all engines."""
+"""The history of contacts, and how contacts that are found anew inherit it.  All engines use it."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ Number = TypeVar("Number", np.float64, np.int64, np.bool_)
 
 
 class Histories(NamedTuple):
-    """What contacts have from before, of all slots of one list of pairs."""
+    """Histories, reactions and branches of all slots of one list of pairs, and their origin."""
 
     slots: Slots
-    history: Array  # (n_slots, N_HISTORY + dim - 2), or no columns where an engine keeps none
+    history: Array  # (n_slots, N_HISTORY + dim - 2); no columns if an engine keeps no history
     reaction: Array  # (n_slots, dim) N
-    branch: IntArray  # (n_slots,) of the joint law, or what they do
-    source: IntArray  # (n_slots,) slots that they inherit from; -1 is new
+    branch: IntArray  # (n_slots,) of the joint law, or a status
+    source: IntArray  # (n_slots,) former slot that each one inherits from; -1 if it is new
 
     @classmethod
     def own(cls, slots: Slots, history: Array, reaction: Array, branch: IntArray) -> Histories:
-        """Those of contacts that have inherited nothing yet."""
-        # In one piece, as all that follow are: kernels are compiled for each layout.
+        """Histories of contacts that are their own source."""
+        # Contiguous, like all later arrays, because kernels are compiled for each memory layout.
         whole = np.ascontiguousarray(reaction)
         return cls(slots, history, whole, branch, np.arange(len(branch)))
 
     def of(
         self, values: NDArray[Number], otherwise: float | NDArray[Number] = 0
     ) -> NDArray[Number]:
-        """``values`` (n_before, ...) of the slots that these inherit from; new contacts have
-        ``otherwise``."""
+        """Values (n_slots, ...) of the contacts, inherited from ``values`` (n_before, ...) of the
+        former slots; new contacts get ``otherwise``."""
         new = np.flatnonzero(self.source < 0)
-        if len(new) == len(self.source):  # also of no values at all
+        if len(new) == len(self.source):  # also if there are no former slots
             after = np.empty((len(new), *values.shape[1:]), values.dtype)
         else:
             after = values.take(self.source, axis=0)
@@ -63,28 +63,28 @@ def handed_on(
     former: Pairs | None = None,
     bears: Array | None = None,
 ) -> Histories:
-    """What contacts inherit from the ``past``, where the blocks are in the same place.
+    """What contacts inherit from the ``past``.  Past and present contacts are in the same poses.
 
     Parameters
     ----------
     past
-        Of contacts; its reactions are along the tangents that its slots have.
+        Histories of the former contacts; reactions are along the tangents of its slots.
     pairs
         Pairs of the contacts that inherit.
     now
-        These contacts, found anew.  Each inherits from one of the same pair, see `NarrowPhase`; its
-        tangential reactions are along the new tangents.
+        The contacts that inherit, found anew.  Each inherits from one of the same pair, see
+        `NarrowPhase`; its tangential reactions are along the new tangents.
     known
-        The features by which the contacts of the past are known, if not those of its slots.
+        The features of the former contacts, if not those of the slots of ``past``.
     former
-        Instead of ``now``: the list of pairs that the past is of.  Its contacts stay as they are.
-        Those of pairs that ``pairs`` does not have are dropped.
+        Instead of ``now``: the list of pairs of the ``past``.  Contacts then stay as they are, and
+        those of pairs that are not in ``pairs`` are dropped.
     bears
-        How far joints of each law close before they are crushed, (n_laws,) [m]; where some are.
+        Closure at which joints of each law are crushed, (n_laws,) [m]; None if no joint is crushed.
 
-    New contacts are open, have neither shear nor dilation, and are not bonded.  Where blocks have
-    moved into a joint by other features, a new contact lies deeper in it than the joint can bear:
-    so far it is crushed.
+    New contacts are open, have neither shear nor dilation, and are not bonded.  If blocks have
+    moved into a joint with other features, a new contact may lie deeper than the joint can bear.
+    It is crushed by the difference.
     """
     if former is not None:
         source = predecessor_slots(former, pairs)
@@ -112,7 +112,7 @@ def handed_on(
 
 @njit(cache=True, error_model="numpy")
 def _inherit(source, past, heirs):
-    """Fill all of `Histories` but the slots from those that they inherit from."""
+    """Fill all fields of `Histories` but the slots, from the sources (n_slots,)."""
     history, reaction, branch, origin = past
     new_history, new_reaction, new_branch, new_origin = heirs
     for k in range(source.shape[0]):

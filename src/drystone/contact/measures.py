@@ -1,4 +1,4 @@
-"""What is read off the blocks and contacts of a step, each in one pass: see `engines.measures`."""
+"""Sums over the blocks and contacts of a step, each in one pass; see `engines.measures`."""
 
 from __future__ import annotations
 
@@ -45,18 +45,18 @@ def sum_blocks(
     Returns
     -------
     carried
-        What the blocks hand to the supports along the load, less the dead load [N].
+        Force of the blocks on the supports along the load, less the dead load [N].
     inertia
-        Sum of the sizes of all inertia forces [N].
+        Sum of the absolute values of all inertia forces [N].
     fastest
         Largest acceleration of a centroid [m/s2].
     kinetic, work
-        Kinetic energy; size of the work of all loads [J].
+        Kinetic energy; absolute value of the work of all loads [J].
     push, strokes, resistance
-        Of the blocks that contacts touch: work of the pattern at multiplier one, the same without
-        regard to signs, work of the inertia forces [J].
+        Of the blocks on which contacts act: work of the pattern at multiplier one; sum of the
+        absolute values of its parts; work of the inertia forces [J].
     free_strokes
-        The second of these of the blocks that no contact touches [J].
+        The same as ``strokes``, of the blocks on which no contact acts [J].
     """
     n, n_dof = increment.shape
     dim = direction.shape[0]
@@ -103,17 +103,20 @@ def count_contacts(slots, status, counts):
 
 @njit(cache=True, error_model="numpy")
 def contact_points(slots, pairs, centroid, radius, pose, used, position):
-    """Fill ``position`` (n_contacts, 2) [m] of the slots ``used``, in the poses (n, 3), of the
-    plane: the points about which reactions along gap and slip turn both bodies as their gradients
-    do."""
+    """Fill ``position`` (n_contacts, 2) [m] of the slots ``used`` (n_contacts,), in the plane, for
+    poses (n, 3).
+
+    At these points, reactions along normal and tangent have the moments on both bodies that the
+    gradients of gap and slip give.
+    """
     (which, value), pair, of_pair = slots, pairs.of_slot, pairs.which
     for row in range(used.shape[0]):
         k = used[row]
         p = pair[k]
         a = of_pair[p, A]
         on_b = which[k, KIND] == VERTEX_B
-        # Of two rounded corners that press each other by a share of their radii, the point divides
-        # their distance as these do.
+        # Between two rounded corners that press each other, the point divides the distance of their
+        # centres in proportion to the radii.
         reach = radius[of_pair[p, PART_A]] / value[k, RATIO]
         if on_b:
             reach = -radius[of_pair[p, PART_B]]
@@ -124,10 +127,11 @@ def contact_points(slots, pairs, centroid, radius, pose, used, position):
 
 @njit(cache=True, error_model="numpy")
 def mark_loose(pairs, slots, reaction, fixed, part):
-    """Whether a body is connected to none that is ``fixed`` (n,), directly or through others.
+    """Whether there is a body that is connected to no ``fixed`` body (n,), directly or through
+    others.
 
-    Bodies are connected where a contact is closed or carries; ``part`` (n,) is filled with the
-    first body of each one's connected part.
+    Bodies are connected if a contact between them is closed or carries.  ``part`` (n,) is filled:
+    for each body the first body of its connected part.
     """
     pair, of_pair, (which, value) = pairs.of_slot, pairs.which, slots
     n = fixed.shape[0]
@@ -146,7 +150,7 @@ def mark_loose(pairs, slots, reaction, fixed, part):
         part[max(a, b)] = min(a, b)
     attached = np.zeros(n, np.bool_)
     for i in range(n):
-        part[i] = part[part[i]]  # which is the first: it has a smaller number
+        part[i] = part[part[i]]  # the first body of the part, which has the smallest number
         attached[part[i]] |= fixed[i]
     loose = False
     for i in range(n):
@@ -156,9 +160,10 @@ def mark_loose(pairs, slots, reaction, fixed, part):
 
 @njit(cache=True, error_model="numpy")
 def left_behind(source, shear):
-    """Sum of the sizes of tangential reactions (n, dim - 1) that no slot has for its ``source``.
+    """Sum of the sizes of those tangential reactions ``shear`` (n, dim - 1) [N] that no slot
+    inherits.
 
-    ``source`` (m,) holds rows of ``shear``, or -1.
+    ``source`` (m,) is the row of ``shear`` that each slot inherits, or -1.
     """
     persists = np.zeros(shear.shape[0], np.bool_)
     for k in range(source.shape[0]):

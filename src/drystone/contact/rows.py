@@ -1,6 +1,7 @@
-"""Rows of contacts, of one column for each motion of both bodies: gradients of gap and slip.
+"""Gradients of gap and slip as rows of a matrix, with one column for each motion of both bodies.
 
-`contact.plane.rows` and `contact.space.rows` fill them; here they are used, in both dimensions.
+`contact.plane.rows` and `contact.space.rows` fill these rows.  The functions here use them in both
+dimensions.
 """
 
 from __future__ import annotations
@@ -8,12 +9,13 @@ from __future__ import annotations
 from drystone.common.compiled import njit
 from drystone.contact.contacts import BODY_A, BODY_B
 
-#: For functions of both dimensions: as many numbers as a body has degrees of freedom.  How long a
-#: tuple is, is known when they are compiled, so that loops over it are unrolled.
+#: For functions of both dimensions: tuples as long as a body has degrees of freedom.  The length of
+#: a tuple is known to the compiler, so that loops over it are unrolled.
 IN_PLANE, IN_SPACE = (0,) * 3, (0,) * 6
 
-#: Rows of a contact: gradients of gap and slip, and those by which slip is measured; of each of the
-#: latter in space two, so that there those of a force are the first three.
+#: Rows of a contact in the plane: gradient of the gap, gradient of the slip, gradient by which slip
+#: is measured.  In space there are two rows for each slip, so that rows 0, 1 and 2 are the gap and
+#: both slips.
 OF_GAP, OF_SLIP, MEASURED = 0, 1, 2
 
 
@@ -24,8 +26,8 @@ def dof_of(field):
 
 @njit(cache=True, error_model="numpy")
 def add_reaction(dof, rows, c, reaction, k, a, b, force):
-    """Add what row k of ``reaction`` (n, dim), at contact c, does to its bodies a and b to
-    ``force`` (n, n_dof); ``dof`` is `IN_PLANE` or `IN_SPACE`.
+    """Add the forces of contact c on its bodies a and b to ``force`` (n, n_dof), from row k of
+    ``reaction`` (n, dim) [N]; ``dof`` is `IN_PLANE` or `IN_SPACE`.
     """
     nd = len(dof)
     rn, rt = reaction[k, 0], reaction[k, 1]
@@ -41,7 +43,8 @@ def add_reaction(dof, rows, c, reaction, k, a, b, force):
 
 @njit(cache=True)
 def contact_velocities(dof, contacts, velocity, out):
-    """Relative velocities H v, normal and tangential, (n_contacts, dim) [m/s]."""
+    """Fill ``out`` (n_contacts, dim) [m/s] with the relative velocities H v, normal and tangential,
+    for the velocities (n, n_dof) of the bodies."""
     nd = len(dof)
     which, rows = contacts.which, contacts.rows
     for c in range(rows.shape[0]):

@@ -57,7 +57,8 @@ class PlaneNarrowPhase:
         narrow.find_contacts(self.box, pose, pairs, reach, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
-        """The contacts in ``known``, by their features, in other poses, into ``slots``."""
+        """Evaluate the contacts ``known``, with the same features, in other poses, into
+        ``slots``."""
         narrow.follow_contacts(self.bodies, pose, self.world, pairs, known, slots)
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
@@ -69,14 +70,14 @@ class PlaneNarrowPhase:
     def rotate_shear(
         self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
     ) -> None:
-        """Nothing: tangents of the plane turn with the contacts, and reactions with them."""
+        """Do nothing: in the plane, reactions turn with the tangents of their contacts."""
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
-        """Fill contacts from the slots in use, with their gradients; returns how many."""
+        """Fill contacts from the slots in use, with their gradients; returns their number."""
         return int(packing.pack(slots, pairs, laws, self.thickness, to))
 
     def positions(self, pairs: Pairs, pose: Array, slots: Slots, used: IntArray) -> Array:
-        """Where the slots ``used`` (m,) touch, (m, dim) [m]."""
+        """Places where the slots ``used`` (m,) touch, (m, 2) [m]."""
         position, bodies = np.empty((len(used), 2)), self.bodies
         measures.contact_points(slots, pairs, bodies.centroid, bodies.radius, pose, used, position)
         return position

@@ -1,8 +1,8 @@
 """Narrow phase in two dimensions: the contact points of every pair of nearby blocks.
 
-Each candidate pair owns two slots, one for each end of the interface between its facing edges, or
-more, for points between them.  A slot that is in use holds one contact between a vertex and an
-edge, or between two vertices:
+Each candidate pair owns two slots, one for each end of the interface between its facing edges.  It
+has more if there are points between the ends.  A slot in use holds one contact between a vertex and
+an edge, or between two vertices:
 
     VERTEX_B  vertex of b on an edge of a        normal: the edge's
     VERTEX_A  vertex of a on an edge of b        normal: the edge's, reversed
@@ -14,18 +14,20 @@ With unit normal n (from a to b), tangent t = (n_y, -n_x), arms from the centroi
     grad gap  = [-n, -n.S arm_a, n, n.S arm_b]
     grad slip = ratio [-t, -t.S arm_a, t, t.S arm_b] + [0, 0, roll_a, 0, 0, roll_b]
 
-where the roll terms are the radius of a rounded vertex, which rolls without slipping, and ratio is
-1 but between two vertices, where it is (r_a + r_b) / distance.  Both are exact gradients of the
+The roll terms are the radii of rounded vertices, which roll without slipping.  The ratio is 1,
+except between two vertices, where it is (r_a + r_b) / distance.  Both are exact gradients of the
 gap and of the sliding distance, so that reactions along them balance in force and in moment.
 
-Gaps are what they are as designed and the change since, each for itself: with the design's vector
-d_0 from the edge's first vertex to the vertex, and the edge's normal n_0,
+A gap is the sum of the designed gap and its change, calculated separately.  With the designed
+vector d_0 from the edge's first vertex to the vertex, the edge's designed normal n_0, and the arms
+l as designed,
 
     d = d_0 + D,    D = u_v - u_e + (R_v - I) l_v - (R_e - I) l_e
     n . d = n_0 . d_0 + (R_e - I) n_0 . d_0 + n . D
 
-so that they are as precise as the displacements: a stiff joint closes by less than the rounding of
-its place.  Two vertices, likewise, are |d| = |d_0| + D . (d_0 + d) / (|d_0| + |d|) apart.
+So gaps are as precise as the displacements.  This is needed because a stiff joint closes by less
+than the rounding of coordinates.  The distance of two vertices is calculated in the same way,
+|d| = |d_0| + D . (d_0 + d) / (|d_0| + |d|).
 """
 
 from __future__ import annotations
@@ -63,13 +65,14 @@ from drystone.contact.contacts import (
     B,
 )
 
-#: Contact points of a pair: one at each end of its interface.  More lie between them, at equal
-#: distances, on the edge of b.
+#: Number of contact points at the ends of the interface of a pair.  Further points lie between
+#: them, at equal distances, on the edge of b.
 ENDS = 2
 
 
 class Bodies(NamedTuple):
-    """Contact shapes of all bodies; rows of vertices are edges too, from vertex i to the next."""
+    """Contact shapes of all bodies.  Row i of vertices also stands for the edge from vertex i to
+    the next."""
 
     centroid: Array  # (n, 2) m, as designed
     of_part: IntArray  # (n_parts,) body of each convex part
@@ -78,12 +81,14 @@ class Bodies(NamedTuple):
     local: Array  # (n_vertices, 2) m, relative to the body's centroid
     local_tangent: Array  # (n_vertices, 2) unit vector of the edge
     length: Array  # (n_vertices,) m, of the core edge
-    setback: Array  # (n_vertices, 2) m, start and end
-    radius: Array  # (n_parts,) m
+    # (n_vertices, 2) m, by how much the core edge is shorter than the designed one: at start, end
+    setback: Array
+    radius: Array  # (n_parts,) m, of rounded corners: the surface lies so far outside the core
 
 
 class World(NamedTuple):
-    """Vertices and edge tangents in their present places; scratch, refilled for every pose."""
+    """Vertices and edge tangents in the present poses; scratch memory, filled anew for all
+    poses."""
 
     vertex: Array  # (n_vertices, 2) m
     tangent: Array  # (n_vertices, 2)
@@ -93,7 +98,7 @@ class World(NamedTuple):
 
 @njit(cache=True, error_model="numpy")
 def place(bodies, pose, world):
-    """World coordinates of all core vertices and edge tangents in the given poses."""
+    """Fill ``world`` with the core vertices and edge tangents in the poses (n, 3)."""
     for part in range(bodies.of_part.shape[0]):
         body = bodies.of_part[part]
         c = np.cos(pose[body, 2])
@@ -119,7 +124,7 @@ def place(bodies, pose, world):
 
 @njit(cache=True, error_model="numpy")
 def _best_edge(offset, vertex, tangent, a, b):
-    """Edge of a whose outward normal separates a and b most, and that separation [m]."""
+    """Edge of part a whose outward normal separates parts a and b most, and this separation [m]."""
     best = -np.inf
     edge = offset[a]
     for i in range(offset[a], offset[a + 1]):
@@ -139,7 +144,7 @@ def _best_edge(offset, vertex, tangent, a, b):
 
 @njit(cache=True, error_model="numpy")
 def _most_opposed(offset, tangent, edge, b):
-    """Edge of b whose tangent is most opposed to that of ``edge``."""
+    """Edge of part b whose tangent is most opposed to that of ``edge``."""
     best = np.inf
     found = offset[b]
     for j in range(offset[b], offset[b + 1]):
@@ -152,11 +157,12 @@ def _most_opposed(offset, tangent, edge, b):
 
 @njit(cache=True, error_model="numpy")
 def _nearly_as_opposed(first, end, tangent, edge, found):
-    """The edge beside ``found`` that is the more opposed to ``edge``, and its share of the length.
+    """The neighbour of the edge ``found`` that is more opposed to ``edge``, and its share of the
+    tributary length.
 
-    The share is a half where both edges of a corner are opposed alike, and falls smoothly to zero
-    where the corner has turned from there by PASSAGE of what lays one of them on ``edge``.
-    ``first`` and ``end`` bound the edges of their block.
+    The share is a half if both edges of the corner are equally opposed to ``edge``.  It falls
+    smoothly to zero as the corner turns: at PASSAGE of the rotation that lays one of them on
+    ``edge``.  ``first`` and ``end`` bound the edges of the part.
     """
     tx, ty = tangent[edge, 0], tangent[edge, 1]
     before = found - 1 if found > first else end - 1
@@ -172,7 +178,8 @@ def _nearly_as_opposed(first, end, tangent, edge, found):
 
 @njit(cache=True, error_model="numpy")
 def _overlap(length, setback, vertex, tangent, ea, eb, b1):
-    """Half of what faces itself of the edges ``ea`` and ``eb``, of which that ends at b1 [m]."""
+    """Half of the length along which the edges ``ea`` and ``eb`` face each other [m]; ``b1`` is the
+    end vertex of ``eb``."""
     start = max(_along(vertex, tangent, ea, b1) - setback[eb, 1], -setback[ea, 0])
     end = min(_along(vertex, tangent, ea, eb) + setback[eb, 0], length[ea] + setback[ea, 1])
     return max(0.5 * (end - start), LEAST_LENGTH * min(length[ea], length[eb]))
@@ -189,20 +196,20 @@ def _along(vertex, tangent, edge, v):
 def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
     """Kind and features of the contact at one end of the interface of edges ``ea`` and ``eb``.
 
-    The vertices there are va and vb.  The one that lies within the other edge makes the contact;
-    where neither does, the two face each other across a corner.  Sharp corners that do so have no
-    common normal but where they all but coincide, and there it is the reference edge's.
+    The vertices at this end are va and vb.  The vertex that lies within the other edge makes the
+    contact.  If neither does, the two vertices face each other across a corner.  Sharp corners then
+    have a contact only if they nearly coincide; its normal is that of the reference edge.
     """
     dx = vertex[vb, 0] - vertex[va, 0]
     dy = vertex[vb, 1] - vertex[va, 1]
     sb = _along(vertex, tangent, ea, vb)
     sa = _along(vertex, tangent, eb, va)
-    # Sharp corners right above each other must not miss each other by a rounding error.
+    # Rounding must not hide sharp corners that lie exactly above each other.
     slack = 0.0 if radii > 0.0 else ROUNDING * (length[ea] + length[eb])
     b_inside = -slack <= sb <= length[ea] + slack
     a_inside = -slack <= sa <= length[eb] + slack
     if b_inside and a_inside:
-        # Edges that open towards this end: the nearer of the two candidates.
+        # The edges open towards this end; the nearer one of the two candidates is taken.
         gap_b = dx * tangent[ea, 1] - dy * tangent[ea, 0]
         gap_a = -dx * tangent[eb, 1] + dy * tangent[eb, 0]
         b_inside = gap_b < gap_a or (gap_b == gap_a and reference_is_a)
@@ -219,12 +226,13 @@ def _end(length, vertex, tangent, radii, ea, eb, va, vb, reference_is_a):
     return VERTEX_A, va, eb
 
 
-# Many: arrays one by one, for records that are handed on count references at every pair.
+# Many: arrays one by one, because records passed on would count references at every pair.
 @njit(cache=True, error_model="numpy")
 def _interface(
     offset, following, length, setback, radii, vertex, tangent, p, q, reach, which, value, k, points
 ):
-    """Kinds, features, edges and tributary lengths of slots from k on, of parts p and q."""
+    """Fill kinds, features, edges and tributary lengths of the slots of parts p and q, from slot k
+    on."""
     for slot in range(k, k + points):
         which[slot, KIND] = NONE
     ea, apart_a = _best_edge(offset, vertex, tangent, p, q)
@@ -286,15 +294,15 @@ def _interface(
 
 @njit(cache=True, error_model="numpy")
 def _rotated(rotation, body, x, y):
-    """What the rotation of a body adds to a vector of it."""
+    """Change of a designed vector (x, y) of a body by its rotation."""
     sine, versine = rotation[body, 0], rotation[body, 1]
     return -versine * x - sine * y, sine * x - versine * y
 
 
 @njit(cache=True, error_model="numpy")
 def _measure(bodies, pose, world, pairs, slots):
-    """Everything else about the contacts of all slots, whose features are given."""
-    # Fields read once: in the loop each reading would count references.
+    """Fill gap, normal, arms and roll terms of all slots, whose features are known."""
+    # Fields are read before the loop: within it, each reading would count references.
     centroid, local, radius = bodies.centroid, bodies.local, bodies.radius
     local_tangent, tangent, arm, rotation = (
         bodies.local_tangent,
@@ -312,7 +320,8 @@ def _measure(bodies, pose, world, pairs, slots):
         p = pair[k]
         a, b = of_pair[p, A], of_pair[p, B]
         va, vb = which[k, FEATURE_A], which[k, FEATURE_B]
-        # From a vertex of a, or an edge's first, to one of b; the other way on an edge of b.
+        # Vectors lead from the vertex (or first vertex of the edge) of a to that of b; the reverse
+        # if the edge is of b.
         sign = -1.0 if kind == VERTEX_A else 1.0
         between_x, between_y = centroid[b, 0] - centroid[a, 0], centroid[b, 1] - centroid[a, 1]
         shift_x, shift_y = pose[b, 0] - pose[a, 0], pose[b, 1] - pose[a, 1]
@@ -360,13 +369,13 @@ def _measure(bodies, pose, world, pairs, slots):
 
 @njit(cache=True, error_model="numpy")
 def find_contacts(box, pose, pairs, reach, slots):
-    """Fill the slots of all pairs in the given poses; ``reach`` [m] is the largest gap watched.
+    """Fill the slots of all pairs in the poses (n, 3); ``reach`` [m] is the largest gap listed.
 
-    The ``box`` is one of `Bodies` and of their `World`, which is scratch.
+    The ``box`` holds `Bodies` and their `World`, which is scratch memory.
     """
     bodies, world = box.value
     place(bodies, pose, world)
-    # Fields read once: in the loop each reading would count references.
+    # Fields are read before the loop: within it, each reading would count references.
     offset, following, length = bodies.offset, bodies.following, bodies.length
     setback, radius = bodies.setback, bodies.radius
     vertex, tangent = world.vertex, world.tangent
@@ -386,10 +395,10 @@ def find_contacts(box, pose, pairs, reach, slots):
 
 @njit(cache=True, error_model="numpy")
 def follow_contacts(bodies, pose, world, pairs, known, slots):
-    """Fill the slots in new poses with the features that ``known`` slots have.
+    """Fill the slots in new poses, with the features of the ``known`` slots.
 
-    Within a step this is cheaper than finding contacts anew, and smooth: where two vertices pass
-    each other, features would otherwise change to and fro with every correction.
+    Within a step this is cheaper than finding contacts anew, and it is smooth.  If two vertices
+    pass each other, contacts found anew would alternate with every correction.
     """
     place(bodies, pose, world)
     which, value = slots
@@ -402,7 +411,8 @@ def follow_contacts(bodies, pose, world, pairs, known, slots):
 
 @njit(cache=True, error_model="numpy")
 def changed_contacts(before, after, depth):
-    """Number of contacts that press more than ``depth`` [m] and are not the same in both."""
+    """Number of contacts with different features ``before`` and ``after`` whose overlap differs by
+    more than ``depth`` [m]."""
     was, now = before.value, after.value
     first, last = before.which, after.which
     changed = 0
@@ -424,8 +434,9 @@ def changed_contacts(before, after, depth):
 def find_predecessors(pairs, previous, slots, source):
     """For every slot, the slot of the same pair whose history it inherits, or -1.
 
-    A slot inherits from itself while its interface keeps its edges.  When a block rotates so far
-    that another edge faces its neighbour, the contact that shares a vertex is the heir.
+    A slot inherits from itself as long as its interface keeps its edges.  If a block rotates so far
+    that another edge faces its neighbour, a contact inherits from one with which it shares a
+    vertex.
     """
     pair, was, now = pairs.of_slot, previous.which, slots.which
     n = now.shape[0]

@@ -1,8 +1,7 @@
-"""Gradients of gap and slip: how a contact's gap and sliding distance go with the blocks' motion.
+"""Gradients of gap and slip by the motions of both bodies, q = (x_a, theta_a, x_b, theta_b).
 
-A contact has a row for its gap and one for its slip: gradients by the motions of both
-bodies, q = (x_a, theta_a, x_b, theta_b), whose formulas stand in `contact.plane.narrow`.
-Reactions along them balance in force and in moment.
+Each contact has a row for its gap and a row for its slip.  Their formulas are in
+`contact.plane.narrow`.  Reactions along these rows balance in force and in moment.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ N_DOF = 3
 
 @njit(cache=True, error_model="numpy")
 def gradients(value, k, rows, c):
-    """Gradients of gap and slip of slot k into the rows of contact c; see
+    """Write the gradients of gap and slip of slot k into the rows of contact c; see
     `contact.plane.narrow`."""
     nx = value[k, NORMAL]
     ny = value[k, NORMAL + 1]
@@ -52,7 +51,8 @@ def gradients(value, k, rows, c):
 
 @njit(cache=True, error_model="numpy")
 def slot_rows(slots, rows):
-    """Gradients of gap and slip of all slots in use, (n_slots, dim, 2 n_dof)."""
+    """Fill ``rows`` (n_slots, 2, 2 n_dof) with the gradients of gap and slip of all slots in
+    use."""
     which, value = slots
     for k in range(which.shape[0]):
         if which[k, KIND] != NONE:
@@ -63,8 +63,9 @@ def slot_rows(slots, rows):
 def slip(kind, value, k, a, b, increment):
     """Sliding distance of b over a along the tangent since the start of the step [m].
 
-    Written in differences from the present place backwards, so that it is as precise as the
-    increments themselves: shear stiffness times the rounding of coordinates would be felt.
+    It is calculated from the increments (n, n_dof), backwards from the present place, so that it is
+    as precise as the increments.  Shear stiffness times the rounding of coordinates would be
+    noticeable.
     """
     tx = value[k, NORMAL + 1]
     ty = -value[k, NORMAL]
@@ -114,7 +115,7 @@ def second_derivatives(kind, value, k, rn, rt, hess):
     ny = value[k, NORMAL + 1]
     tx = ny
     ty = -nx
-    # A force f = r_n n + r_t t that turns with the block that owns the edge, at a fixed line.
+    # The force f = r_n n + r_t t turns with the block that owns the edge; its line stays.
     fx = rn * nx + rt * tx
     fy = rn * ny + rt * ty
     if kind == VERTEX_B:
@@ -165,7 +166,8 @@ def second_derivatives(kind, value, k, rn, rt, hess):
 
 @njit(cache=True, error_model="numpy")
 def along(rows, c, row, field, a, b):
-    """A row of contact c, times the motion of its bodies a and b."""
+    """Scalar product of a row of contact c with the motion ``field`` (n, n_dof) of its bodies a and
+    b."""
     total = 0.0
     for i in range(N_DOF):
         total += rows[c, row, i] * field[a, i] + rows[c, row, N_DOF + i] * field[b, i]
@@ -174,7 +176,7 @@ def along(rows, c, row, field, a, b):
 
 @njit(cache=True, error_model="numpy")
 def add_force(rows, c, rn, rt, a, b, force):
-    """Add what the reactions of contact c do to its bodies a and b to ``force`` (n, n_dof)."""
+    """Add the forces on bodies a and b of the reactions of contact c to ``force`` (n, n_dof)."""
     for i in range(N_DOF):
         force[a, i] += rn * rows[c, OF_GAP, i] + rt * rows[c, OF_SLIP, i]
         force[b, i] += rn * rows[c, OF_GAP, N_DOF + i] + rt * rows[c, OF_SLIP, N_DOF + i]

@@ -43,12 +43,13 @@ class SpaceNarrowPhase:
     def find(self, pairs: Pairs, pose: Array, reach: float, slots: Slots) -> None:
         """Find all contacts with gaps up to ``reach`` [m], into ``slots``.
 
-        What the slots hold says which faces met last, and are kept where others are as good.
+        The faces that ``slots`` hold before are kept if others are only equally good.
         """
         manifold.find(self.bodies, pose, self.world, pairs, reach, self.points, slots)
 
     def follow(self, pairs: Pairs, pose: Array, known: Slots, slots: Slots) -> None:
-        """The contacts in ``known``, by their features, in other poses, into ``slots``."""
+        """Evaluate the contacts ``known``, with the same features, in other poses, into
+        ``slots``."""
         points.follow(self.bodies, pose, self.world, pairs, known, slots)
 
     def predecessors(self, pairs: Pairs, before: Slots, now: Slots) -> IntArray:
@@ -60,19 +61,19 @@ class SpaceNarrowPhase:
     def rotate_shear(
         self, before: Slots, now: Slots, source: IntArray, had: Array, shear: Array
     ) -> None:
-        """Tangential reactions (n_slots, 2) [N] of those, into ``shear``, along the tangents of
-        ``now``."""
+        """Turn the tangential reactions ``had`` (n_slots, 2) [N] of the slots ``before`` to the
+        tangents of the slots ``now`` that inherit them, into ``shear`` (n_slots, 2) [N]."""
         succession.carried(before, now, source, had, shear)
 
     def pack(self, pairs: Pairs, pose: Array, slots: Slots, laws: Array, to: Contacts) -> int:
-        """Fill contacts from the slots in use, with their gradients; returns how many."""
+        """Fill contacts from the slots in use, with their gradients; returns their number."""
         count = int(packing.pack_laws(slots, pairs, laws, 1.0, to))
         rotate_bodies(self.bodies, pose, self.world)
         packed_rows_in_space(slots.value, to.which, count, self.world.axes, to.rows)
         return count
 
     def positions(self, pairs: Pairs, pose: Array, slots: Slots, used: IntArray) -> Array:
-        """Where the slots ``used`` (m,) touch, (m, 3) [m]."""
+        """Places where the slots ``used`` (m,) touch, (m, 3) [m]."""
         a = pairs.which[pairs.of_slot[used], A]
         arm = slots.value[used, ARM_A_3 : ARM_A_3 + 3]
         return np.asarray(self.centroid[a] + pose[a, :3] + arm)

@@ -27,11 +27,11 @@ from drystone.contact.space.separation import best_edges, distance, nearest_edge
 
 @njit(cache=True)
 def _flat_face(edge, normal, edge_p, edge_q, work):
-    """Whether an edge of p or q lies nearly flat on a face of the other at their crossing, and how.
+    """The face of one part on which the edge of the other lies nearly flat at their crossing.
 
-    ``work`` is that of `best_edges`, from p to q.  Returned is whether the face is
-    one of p, the face, or -1 where both edges cross in earnest, and the face of the other part
-    behind that edge which is more opposed to it.
+    ``work`` is that of `best_edges`, from p to q.  Returns whether the face is one of p; the face,
+    or -1 if the edges cross at a larger angle; and the face of the other part, beside its edge,
+    that is more opposed to the first.
     """
     least, of_p, face = 1.0 - 0.5 * EDGE_FLAT * EDGE_FLAT, True, -1
     for side in range(2):
@@ -57,7 +57,8 @@ def _flat_face(edge, normal, edge_p, edge_q, work):
 
 @njit(cache=True)
 def _candidate(local, plane, a0, a1, face, trial, c):
-    """Component c of what a tangent may be made from: an edge, a face's tangent, or its normal."""
+    """Component c of a direction from which a tangent may be made: an edge, the tangent of a face,
+    or its normal."""
     if trial == 0:
         return local[a1, c] - local[a0, c]
     return plane[face, 3 + c] if trial == 1 else plane[face, c]
@@ -65,9 +66,9 @@ def _candidate(local, plane, a0, a1, face, trial, c):
 
 @njit(cache=True)
 def _write_point(scene, pair, edges, face, k, axis, shares, value):
-    """Place, normal and tangent of a point of two edges, into slot k.
+    """Write place, normal and tangent of a contact point of two edges into slot k.
 
-    ``shares`` (2,) tell where along both edges it is, ``axis`` (3,) is its normal, from a to b.
+    ``shares`` (2,) are the places along both edges, ``axis`` (3,) is the normal from a to b.
     """
     local, edge, plane, rotation = scene.local, scene.edge, scene.plane, scene.rotation
     a0, a1, b0, b1 = edge[edges[0], 0], edge[edges[0], 1], edge[edges[1], 0], edge[edges[1], 1]
@@ -79,8 +80,8 @@ def _write_point(scene, pair, edges, face, k, axis, shares, value):
         for i in range(3):
             back += rotation[a, i, c] * axis[i]
         value[k, PLANE_NORMAL_3 + c] = back
-    # A tangent: of the edge of a and the first tangent of its face, what is farther off the normal.
-    # Where corners meet, both may lie along it: then the face's normal does not.
+    # The tangent is made from the edge of a or the first tangent of its face, whichever is farther
+    # off the normal.  If corners meet, both may lie along the normal; the face's normal does not.
     best, chosen, aside, square = -1.0, 0, 0.0, 1.0
     for trial in range(3):
         along, size = 0.0, 0.0
@@ -99,10 +100,10 @@ def _write_point(scene, pair, edges, face, k, axis, shares, value):
 
 @njit(cache=True)
 def _ends(scene, edge_a, edge_b, first, second):
-    """Where two edges that are parallel but for EDGE_FLAT begin and end to face each other.
+    """The ends of the line along which two nearly parallel edges (EDGE_FLAT) face each other.
 
-    Shares along both edges go to ``first`` and ``second`` (2,).  Returned is the length along which
-    they do [m], zero where there is none.
+    The shares of both edges at its ends go to ``first`` and ``second`` (2,).  Returns the length of
+    the line [m], zero if there is none.
     """
     vertex, edge = scene.vertex, scene.edge
     a0, a1, b0, b1 = edge[edge_a, 0], edge[edge_a, 1], edge[edge_b, 0], edge[edge_b, 1]
@@ -127,11 +128,11 @@ def _ends(scene, edge_a, edge_b, first, second):
 
 @njit(cache=True)
 def _line(scene, work, pair, across):
-    """Edges of a and b that meet along a line, or -1 for both where there is none.
+    """Edges of a and b that meet along a line; -1 for both if there is no line.
 
-    The nearest edges are ``across`` [m] apart; near a corner several are.  A line has an end that
-    is as near but for KEPT_FACE, and the longest line is taken.  Its ends go to the third and
-    fourth row of ``work``, see `_ends`.
+    The nearest edges are ``across`` [m] apart; near a corner there are several such edges.  A line
+    must have an end that is equally near, but for KEPT_FACE.  The longest line is taken.  Its ends
+    go to the third and fourth row of ``work``, see `_ends`.
     """
     (p, q, _, _), vertex, edge, first = pair, scene.vertex, scene.edge, scene.first
     slack, longest, edge_a, edge_b = KEPT_FACE * min(scene.size[p], scene.size[q]), 0.0, -1, -1
@@ -154,7 +155,7 @@ def _line(scene, work, pair, across):
 
 @njit(cache=True)
 def _name_end(edge, edge_a, edge_b, shares, which, k):
-    """Make the feature of slot k the vertex at the end of the edge that ends at ``shares`` (2,)."""
+    """If an edge ends at ``shares`` (2,), make its end vertex the feature of slot k."""
     if shares[0] == 0.0 or shares[0] == 1.0:
         which[k, FEATURE_A] = edge[edge_a, 1 if shares[0] == 1.0 else 0]
     elif shares[1] == 0.0 or shares[1] == 1.0:
@@ -163,10 +164,11 @@ def _name_end(edge, edge_a, edge_b, shares, which, k):
 
 @njit(cache=True)
 def edge_on_edge(scene, work, pair, edges, faces, across, which, value):
-    """The points where edges of a and b meet, evaluated, into the first slots of their pair.
+    """Write the points where edges of a and b meet into the first slots of their pair, and evaluate
+    them.
 
-    ``work`` is that of `best_edges`.  The edges are ``across`` [m] apart.  Returned is the slot
-    behind the points.
+    ``work`` is that of `best_edges`.  The edges are ``across`` [m] apart.  Returns the slot behind
+    the points.
     """
     edge, extent, n_vertices = scene.edge, scene.extent, scene.local.shape[0]
     (edge_a, edge_b), (face_a, face_b), (p, q, begin, _), n = edges, faces, pair, 1
@@ -192,12 +194,14 @@ def edge_on_edge(scene, work, pair, edges, faces, across, which, value):
 
 @njit(cache=True)
 def edges_that_meet(scene, work, p, q, best, least, near, limit):
-    """Edges of p and q that separate them more than faces do, by the ``best`` [m], and touch.
+    """Edges of p and q that touch instead of their faces.
 
-    Faces have made points with the ``least`` gap [m], which is as ``near`` as the separation says
-    or not.  Edges that are apart by more than ``limit`` [m] are too far.  Returned are whether
-    there are such edges, by how much they separate, the edges, and, where one lies nearly flat on a
-    face, what `_flat_face` says; else that face is -1.
+    The faces separate the parts by ``best`` [m].  Their points have the smallest gap ``least`` [m];
+    ``near`` says whether this gap is as small as the separation.  Edges must separate the parts
+    more than the faces, and by no more than ``limit`` [m].
+
+    Returns whether there are such edges; their separation [m]; the two edges; and the result of
+    `_flat_face` if one of them lies nearly flat on a face, else -1 for the face.
     """
     first, edge, vertex, normal = scene.first, scene.edge, scene.vertex, scene.normal
     radii, smaller = scene.radius[p] + scene.radius[q], min(scene.size[p], scene.size[q])

@@ -46,7 +46,7 @@ from drystone.contact.space.overlap import (
 from drystone.contact.space.points import evaluate_all
 from drystone.contact.space.rims import meet_rims
 
-#: Numbers of points between the ends of a side are less.
+#: Upper bound of the numbers of points between the ends of a side.
 ON_SIDES = 64
 
 
@@ -66,7 +66,10 @@ def _vertex(ring, corner, face, j, backwards):
 
 @njit(cache=True)
 def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
-    """Mark the ``corners``, a half of the names and how many, that were points before."""
+    """Mark those corners that were contact points before.
+
+    ``corners`` are the half of ``scratch.name`` with the corners and their number.
+    """
     (half, count), (face_p, face_q) = corners, faces
     name, known = scratch.name[half], scratch.known
     n_vertices, n_edges = scene.local.shape[0], scene.edge.shape[0]
@@ -83,8 +86,8 @@ def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
 
 @njit(cache=True)
 def _missing(scene, scratch, faces, p_is_a, corners, m):
-    """How many vertices of the incident face were points on the reference face before, and are no
-    ``corners``, a half of the names and how many."""
+    """Number of vertices of the incident face that were contact points on the reference face
+    before, and are not among the ``corners`` (see `_mark_kept`)."""
     (half, count), (face_p, face_q) = corners, faces
     on_face = scene.local.shape[0] + scene.edge.shape[0] + face_p
     name, known, own, missing, k = scratch.name[half], scratch.known, 0 if p_is_a else 1, 0, 0
@@ -102,8 +105,11 @@ def _missing(scene, scratch, faces, p_is_a, corners, m):
 
 @njit(cache=True)
 def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
-    """Corners of the overlap, with points up to ``slack`` [m] outside, by name: which half of the
-    arrays and how many; area, centroid and perimeter; and how many are `_missing`."""
+    """Cut the faces, with a tolerance ``slack`` [m], and name the corners of the overlap.
+
+    Returns the corners (half of the arrays, number); area, centroid and perimeter; and the number
+    of vertices that are `_missing`.
+    """
     reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon
     name = scratch.name
     corners = clip(incident, m, reference, n, slack, polygon, name)
@@ -117,7 +123,7 @@ def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
 def _slope(normal, faces, work):
     """Slope (2,) of the incident face over the reference face, along the tangents in ``work``.
 
-    Faces that tilt by more than EDGE_FLAT have none: they meet by their edges.
+    It is zero for faces that tilt by more than EDGE_FLAT, because they meet by their edges.
     """
     x, y, cosine = 0.0, 0.0, 0.0
     for c in range(3):
@@ -131,7 +137,8 @@ def _slope(normal, faces, work):
 
 @njit(cache=True)
 def _overlap(scene, scratch, faces, p_is_a, m, n, near):
-    """Corners of the overlap, by name: which half of the arrays, how many, area and centroid."""
+    """Named corners of the overlap: half of the arrays, number, area [m2] and centroid (x, y)
+    [m]."""
     polygon, name, slack = scratch.polygon, scratch.name, SUMS * near / CLIP
     corners, measures, missing = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
     area = measures[0]
@@ -153,8 +160,8 @@ def _overlap(scene, scratch, faces, p_is_a, m, n, near):
 
 @njit(cache=True)
 def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
-    """Material point of the incident face that is seen at (x, y), into slot k."""
-    i, j, far, widest = 1, 2, 0.0, 0.0  # corners that, with the first one, span the face best
+    """Write the material point of the incident face that is projected to (x, y) into slot k."""
+    i, j, far, widest = 1, 2, 0.0, 0.0  # corners i and j span the face best with corner 0
     for c in range(1, m):
         ux, uy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
         if ux * ux + uy * uy > far:
@@ -203,7 +210,8 @@ def _features(ring, corner, face_p, face_q, mark, i, m, n_vertices, n_edges):
 
 @njit(cache=True)
 def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first, end, which, value):
-    """Points of an overlap as slots from ``first`` on, but for what `points.evaluate` adds."""
+    """Write the points of an overlap into slots from ``first`` on, without the values that
+    `points.evaluate` adds."""
     ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
     incident, point, mark, weight = scratch.incident, scratch.point, scratch.mark, scratch.weight
     n_vertices, n_edges = local.shape[0], scene.edge.shape[0]
@@ -211,7 +219,7 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
     for i in range(n_points):
         if k >= end:
             break
-        if weight[i] == 0.0:  # no joint behind it
+        if weight[i] == 0.0:  # no tributary area
             continue
         type_ = mark[i, TYPE]
         swapped = type_ == VERTEX_P
@@ -249,10 +257,12 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
 
 @njit(cache=True)
 def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, value):
-    """Points of the overlap of a reference face p and an incident face q, into their pair's slots.
+    """Write the points of the overlap of a reference face p and an incident face q into the slots
+    of their pair.
 
-    ``pair`` are parts a and b, their first slot and the one behind the last; ``p_is_a`` tells whose
-    face the reference face is.  Returned are the slot behind the points, and the least gap [m].
+    ``pair`` are parts a and b, their first slot and the slot behind the last.  ``p_is_a`` says
+    whether the reference face is of part a.  Returns the slot behind the points and the smallest
+    gap [m].
     """
     ring, extent, normal, of_part = scene.ring, scene.extent, scene.normal, scene.of_part
     reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon

@@ -1,19 +1,21 @@
-"""Which faces of two convex parts meet: the reference face and the incident one.
+"""Which faces of two convex parts meet: the reference face and the incident face.
 
-The face that separates the parts most is the reference face, the face of the other part that is
-most opposed to it the incident one.  Solids that meet in less than a face, along an edge or in a
-point, are separated as well by faces of several directions, but for rounding: a block that is edge
-on edge with the one below and beside it by a bed face and by a head face.  What would then change
-with every turn of the axes is decided by what the solids are.  Of faces that separate alike (TIED)
+The reference face is the face that separates the parts most.  The incident face is the face of the
+other part that is most opposed to the reference face.
+
+Solids may meet along an edge or in a point only.  Then faces of several directions separate them
+equally well, but for rounding.  An example is a block whose edge touches the edge of another block
+below and beside it: a bed face and a head face separate the two.  The choice among such faces must
+not depend on rounding, nor on the axes of the model.  Of faces that separate equally well (TIED),
 the reference face is
 
 1. the one whose overlap with its incident face is largest, seen along its normal;
-2. where all overlaps are a line or a point, the one whose interface is the smallest;
+2. if all overlaps are a line or a point, the one whose interface is the smallest;
 3. the first one of the part as designed.
 
-The second is so because solids that only touch have no joint to press on: the LEAST_AREA that
-they are given keeps them from passing through each other, and stiffens a structure falsely, the
-less the smaller it is.
+The reason for the second rule: solids that only touch have no joint to press on.  They are given
+LEAST_AREA, so that they do not pass through each other.  This area stiffens a structure falsely,
+and the smaller it is, the less.
 """
 
 from __future__ import annotations
@@ -28,12 +30,13 @@ from drystone.contact.space.separation import most_opposed, most_opposed_near, s
 
 @njit(cache=True)
 def _incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
-    """Face of part q that meets a reference face, and their cosine; see `most_opposed`.
+    """Face of part q that meets a reference ``face``, and the cosine between their normals; see
+    `most_opposed`.
 
-    ``deepest`` [m] is how far above the reference face the part may be and touch.
+    ``deepest`` [m] is the height above the reference face up to which part q counts as touching.
     """
     found, cosine = most_opposed(first, normal, face, q, kept, KEPT_FACE)
-    if cosine > -1.0 + KEPT_FACE:  # on a vertex or an edge: of a face that has it
+    if cosine > -1.0 + KEPT_FACE:  # q touches by a vertex or an edge; take a face that has it
         trial, better = most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest)
         if better > cosine + 2.0 * KEPT_FACE:
             return trial, better
@@ -42,7 +45,10 @@ def _incident_face(first, ring, corner, vertex, normal, face, q, kept, deepest):
 
 @njit(cache=True)
 def _project(ring, corner, vertex, face, origin, work, backwards, out):
-    """Corners of a face in the coordinates of a plane, (m, 2); returns m."""
+    """Fill ``out`` with the corners of a face in the coordinates of a plane, (m, 2) [m]; returns m.
+
+    The plane has its origin at the vertex ``origin`` and the axes ``work[:2]``.
+    """
     begin, m = ring[face], ring[face + 1] - ring[face]
     for j in range(m):
         v = corner[begin + (m - 1 - j if backwards else j), 0]
@@ -59,9 +65,10 @@ def _project(ring, corner, vertex, face, origin, work, backwards, out):
 def project_both(
     ring, corner, vertex, normal, plane, rotation, body, face_p, face_q, work, reference, incident
 ):
-    """Corners of both faces, seen along the normal of p, which ``body`` carries; their numbers.
+    """Project both faces on the plane of face p; returns their numbers of corners.
 
-    The tangents that they are seen along go to the first two rows of ``work``.
+    The corners go to ``reference`` and ``incident``, the tangents of the plane to the first two
+    rows of ``work``.  ``body`` is the body of face p.
     """
     for i in range(3):
         work[0, i] = plane[face_p, 3 + i]
@@ -78,7 +85,8 @@ def project_both(
 
 @njit(cache=True)
 def _worth(scene, scratch, body, face_p, face_q, cosine):
-    """Overlap of two faces [m2]; of a line or a point less than nothing, of none the least."""
+    """Overlap of two faces [m2], for comparison: negative if it is a line or a point, minus
+    infinity if there is none."""
     reference, incident = scratch.reference, scratch.incident
     polygon, name, extent = scratch.polygon, scratch.name, scene.extent
     n, m = project_both(
@@ -89,7 +97,7 @@ def _worth(scene, scratch, body, face_p, face_q, cosine):
     half, count = clip(incident, m, reference, n, SUMS * near / CLIP, polygon, name)
     area, _, _, _ = measure(polygon, half, count)
     least = LEAST_FACE * min(extent[face_p, 0], extent[face_q, 0])
-    if -cosine * area > least:  # faces that lie on each other before those that only are seen to
+    if -cosine * area > least:  # the cosine prefers faces that lie on each other
         return -cosine * area
     if area == 0.0:
         _, count = clip(incident, m, reference, n, near, polygon, name)
@@ -98,11 +106,11 @@ def _worth(scene, scratch, body, face_p, face_q, cosine):
 
 @njit(cache=True)
 def _untied(scene, scratch, p, q, face, apart, kept):
-    """The reference face of part p among those that separate it from part q as well as ``face``.
+    """The reference face of part p among those that separate it from part q as well as ``face``,
+    and its separation [m].
 
-    That one does so by ``apart`` [m], the most; those that do by no less than TIED of the smaller
-    size are as good.  ``kept`` is for the incident faces.  Returned is by how much the face
-    separates them as well.
+    ``face`` separates the parts most, by ``apart`` [m].  Faces whose separation is less by no more
+    than TIED of the smaller part's size are equally good.  ``kept`` is the incident face to keep.
     """
     first, ring, corner = scene.first, scene.ring, scene.corner
     vertex, normal, body = scene.vertex, scene.normal, scene.of_part[p]
@@ -128,7 +136,7 @@ def _untied(scene, scratch, p, q, face, apart, kept):
 
 @njit(cache=True)
 def _lies_on(scene, scratch, p, face, q, kept, deepest):
-    """Whether part q lies on a face of part p by more than an edge or a point."""
+    """Whether part q touches a face of part p with more than an edge or a point."""
     face_q, cosine = _incident_face(
         scene.first, scene.ring, scene.corner, scene.vertex, scene.normal, face, q, kept, deepest
     )
@@ -137,17 +145,20 @@ def _lies_on(scene, scratch, p, face, q, kept, deepest):
 
 @njit(cache=True)
 def faces_that_meet(scene, scratch, p, q, on_a, on_b, anew):
-    """Whether the reference face is one of part p, this face, the incident face and their cosine.
+    """Choose the faces of parts p and q that meet.
 
-    ``on_a`` and ``on_b`` are what p and q have: the face that separates most, by how much [m], by
-    how much the face does that is kept, and this one.  Faces are not kept where ``anew``.
+    ``on_a`` and ``on_b`` hold, for p and for q: the face that separates most; its separation [m];
+    the separation of the face to be kept [m]; and this face.  With ``anew``, no face is kept.
+
+    Returns whether the reference face is one of part p; the reference face; the incident face; and
+    the cosine between their normals.
     """
     face_a, apart_a, former_a, kept_a = on_a
     face_b, apart_b, former_b, kept_b = on_b
     smaller, best = min(scene.size[p], scene.size[q]), max(apart_a, apart_b)
     slack, good = KEPT_FACE * smaller, False
     p_is_a, face, apart, to = True, face_a, apart_a, apart_b
-    for trial in range(2 if anew else 0, 3):  # what is kept of a, of b; else a's before b's
+    for trial in range(2 if anew else 0, 3):  # the kept face of a; that of b; the best, a first
         if trial == 0:
             p_is_a, face, apart, to = True, kept_a, former_a, best
         elif trial == 1:

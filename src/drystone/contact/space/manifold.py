@@ -1,46 +1,55 @@
 """Narrow phase in space: the contact points of every pair of nearby convex parts.
 
-What a point is, and how its gap follows from the poses, stands in `contact.space.points`.
+What a contact point is, and how its gap follows from the poses: see `contact.space.points`.
 
-Which points there are
-----------------------
-The *reference* face is the one, of both parts, that
-separates them most; the face of the other part that is most opposed to it is the *incident* one.
-Both are kept as long as they are nearly as good (KEPT_FACE), so that a block that rests does not
-change them with every rounding error; of faces that are as good at first, `facing` says which it
-is.  Their overlap, seen along the reference normal (see `overlap`), gives the points, and its area,
-to which what treated edges take off the faces is added again:
+Faces
+-----
+The *reference* face is the face of either part that separates the parts most.  The *incident* face
+is the face of the other part that is most opposed to it.  Both are kept as long as they are nearly
+as good as others (KEPT_FACE), so that a block at rest does not change them with every rounding
+error.  `facing` chooses among faces that are equally good at first.
+
+The overlap of the two faces, seen along the reference normal (see `overlap`), gives the points and
+the area.  The area that treated edges take off the faces is added again.  The points are
 
     a vertex of the incident face              on the plane of the reference face
     a vertex of the reference face alone       on the plane of the incident face
     sides that cross, and points in between    of the incident face, on the reference plane
 
-A face that tilts on an edge or on a vertex keeps its points, and those that open their area: it is
-that of the overlap, as in the plane.  An overlap that is only a line or a point, or next to it,
-has LEAST_AREA of the smaller face.
+A face that tilts on an edge or on a vertex keeps its points, and points that open keep their area:
+the area is that of the overlap, as in the plane.  An overlap that is nearly a line or a point has
+LEAST_AREA of the smaller face.
 
-Where no point of the overlap is as near as the separation says, the faces are not what touches.
-Then edges that cross and separate the parts more by EDGES_MARGIN, or touch where those points are
-open by as much, make one point, on a normal that a carries along; of rounded parts, likewise the
-nearest points of all edges.  Its area is LEAST_FACE of the smaller of the two faces.  Rounded edges
-that are nearly parallel (EDGE_FLAT) meet along a line instead.  They make a point at each end of
-it, with half of that area and a normal of its own.  The nearest point alone would lie at one end; a
-block would turn to it, and be found to touch at the other end in the next step.  Points that
-are as near are no proof where parts overlap by more than EDGES_MARGIN: an edge that lies on the rim
-of a face overlaps it by little, and by much as seen along the face beside.  Edges that separate the
-parts more by EDGES_MARGIN touch there, too.
+Edges
+-----
+If no point of the overlap is as near as the separation, the parts do not touch by these faces.
+Crossing edges make one point if they separate the parts more by EDGES_MARGIN, or if they touch
+while the points of the faces are open by more.  Body a carries the normal of this point along.  Of
+rounded parts, the nearest points of all edges are considered too.  The area of the point is
+LEAST_FACE of the smaller of the two faces.
 
-Edges that cross where one lies nearly flat (EDGE_FLAT) on a face beside the other are no point but
-a line: a block on the rim of a long support, and turned a little, would rock from one end of it to
-the other.  So that face, be it cut by what is far off, is the reference face then, and the one
-behind the edge the incident one, if their deepest point is as deep as the edges say, within
+Rounded edges that are nearly parallel (EDGE_FLAT) meet along a line instead.  They make a point at
+each end of it, with half of this area and a normal of its own.  The nearest point alone would lie
+at one end.  A block would turn to it, and touch at the other end in the next step.
+
+If parts overlap by more than EDGES_MARGIN, a near point of the faces is no proof that they touch by
+these faces.  For example, an edge on the rim of a face overlaps it by little, but by much if seen
+along the face beside.  So edges are considered there too, if they separate the parts more by
 EDGES_MARGIN.
 
-What was a point before stays one a little longer.  A vertex of the incident face counts as on the
-reference face up to CLIP widths beyond its rim, and a short side keeps both ends (see `overlap`).
-A point at the rim whose force takes it off would else be there in every second step.
+If two edges cross and one lies nearly flat (EDGE_FLAT) on a face beside the other, they touch along
+a line, not in a point.  With one point, a block on the rim of a long support, turned a little,
+would rock from one end of the line to the other.  So this face is then the reference face, and the
+face behind the flat edge is the incident one.  The condition is that their deepest point is as deep
+as the edges, within EDGES_MARGIN, because the faces may also overlap elsewhere.
 
-Features are numbers: vertices of all parts, then edges, then faces, then points between.
+Persistence
+-----------
+A contact point remains one a little longer.  A vertex of the incident face counts as on the
+reference face up to CLIP widths beyond its rim, and a short side keeps both ends (see `overlap`).
+Otherwise a point at the rim, whose force moves it off, would exist in every second step.
+
+Features are numbers: vertices of all parts, then edges, then faces, then points in between.
 """
 
 from __future__ import annotations
@@ -71,11 +80,12 @@ from drystone.contact.space.shapes import Shapes, place, scene_of, scratch_for
 
 
 def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) -> IntArray:
-    """How many contact points each pair of parts may have, (n_pairs,).
+    """Largest number of contact points of each pair of parts, (n_pairs,).
 
-    Overlaps have at most as many corners as both faces have.  With 9 points per quadrilateral there
-    is capacity for those of any overlap; with more for as many, fewer of a polygon with many
-    corners."""
+    An overlap has at most as many corners as both faces together.  With 9 ``points`` per
+    quadrilateral, there are slots enough for any overlap.  With more than 9, the number of slots is
+    the same or ``points``, so that an overlap with many corners gets fewer points.
+    """
     corners = np.maximum.reduceat(np.diff(shapes.ring), shapes.first[:-1, 1])
     most = corners[part_a] + corners[part_b]
     if points == 4:
@@ -85,7 +95,7 @@ def slots_of(shapes: Shapes, points: int, part_a: IntArray, part_b: IntArray) ->
 
 @njit(cache=True)
 def _remember(which, begin, end, known):
-    """Features of the points of a pair, into ``known``."""
+    """Copy the features of the points of a pair into ``known``."""
     n = 0
     for k in range(begin, end):
         if which[k, KIND] != NONE:
@@ -96,14 +106,13 @@ def _remember(which, begin, end, known):
 
 @njit(cache=True)
 def find(shapes, pose, world, pairs, reach, n_most, slots):
-    """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap watched.
+    """Fill the slots of all pairs in poses (n, 7); ``reach`` [m] is the largest gap listed.
 
     ``n_most`` points are made of a quadrilateral overlap: 4, 16 or the square of an odd number.
-    What the slots hold before says which faces and corners were used last, and is otherwise of no
-    account.
+    The former contents of the slots only say which faces and corners were used last.
     """
     place(shapes, pose, world)
-    # Fields read once: in the loop each reading would count references.
+    # Fields are read before the loop: within it, each reading would count references.
     (which, value), of_pair, radius, first = slots, pairs.which, shapes.radius, shapes.first
     ring, corner, size = shapes.ring, shapes.corner, shapes.size
     vertex, normal, middle = world.vertex, world.normal, world.middle
@@ -117,7 +126,7 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
         p, q = of_pair[i, PART_A], of_pair[i, PART_B]
         kept_a, kept_b = which[begin, EDGE_A], which[begin, EDGE_B]
         _remember(which, begin, end, scratch.known)
-        empty(which, value, begin, end)  # unused ones as well: their values may be of other poses
+        empty(which, value, begin, end)  # all slots of the pair; their values are of other poses
         limit = reach + (radius[p] + radius[q])
         face_a, apart_a, former_a = best_face(
             first, ring, corner, vertex, normal, middle, p, q, kept_a, limit
@@ -160,7 +169,7 @@ def find(shapes, pose, world, pairs, reach, n_most, slots):
                     stop, least = face_points(
                         scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, value
                     )
-                    if abs(least + radii - across) > margin:  # not by what lies on the face alone
+                    if abs(least + radii - across) > margin:  # the faces overlap elsewhere
                         empty(which, value, begin, stop)
                         stop = begin
                 if stop == begin:

@@ -1,27 +1,31 @@
-"""Where two faces overlap: a polygon, its corners by name, and contact points spread over it.
+"""Where two faces overlap: a polygon, its named corners, and the contact points spread over it.
 
-All is done in the plane of the *reference* face, in coordinates (x, y) [m] in which that face runs
-counter-clockwise; the other, *incident* face is projected on it and listed in the same sense.
+Everything is done in the plane of the *reference* face, in coordinates (x, y) [m] in which this
+face runs counter-clockwise.  The other face, the *incident* one, is projected on the plane and
+listed in the same sense.
 
-The reference face's sides cut the incident face (Sutherland and Hodgman): this gives the true
-area and centroid.  Faces that are flush would make a cluster of corners wherever two of their
-vertices meet, and another one with every rounding error, so corners are named afterwards:
+The sides of the reference face cut the incident face (Sutherland and Hodgman).  This gives the true
+area and centroid.  Flush faces would give a cluster of corners wherever two vertices meet, which
+changes with every rounding error.  So corners are named afterwards:
 
-1. A corner nearer than CLIP widths to a vertex of the incident face is that vertex; else one that
-   near to a vertex of the reference face is that one; else it is where two sides cross.
-2. The shortest side goes, as long as it is shorter than MERGE widths of the overlap, and of its
-   two ends the one where the faces are farther apart, if they tilt along that side by more than
-   SIDE_SLOPE: a side of one face that runs nearly along one of the other crosses it far from the
-   corner that carries.  Of faces that are flush, or tilt by more than EDGE_FLAT and meet by their
-   edges, the less well defined end goes: the crossing before the vertex.  A side both ends of
-   which were points before goes only where it is shorter than MERGED_AGAIN of that: else a point
-   that carries would be there in one step and not in the next, as its force opens it.
+1. A corner that is nearer than CLIP widths to a vertex of the incident face is this vertex.
+   Otherwise, if it is as near to a vertex of the reference face, it is that vertex.  Otherwise it
+   is a crossing of two sides.
+2. The shortest side is removed, as long as it is shorter than MERGE widths of the overlap.  One of
+   its two ends remains.  If the faces tilt along the side by more than SIDE_SLOPE, the end remains
+   where they are nearer: a side of one face that runs nearly along a side of the other crosses it
+   far from the corner that carries.  If the faces are flush, or tilt by more than EDGE_FLAT and
+   meet by their edges, the better defined end remains: a vertex before a crossing.  A side whose
+   two ends were contact points before is removed only if it is shorter than MERGED_AGAIN of the
+   limit.  Otherwise a point that carries might come and go from step to step, as its force opens
+   it.
+3. A crossing that lies nearly on the line between its neighbours is removed.
 
 What remains are true corners of the overlap in their true places.  Faces that only share a piece
-of a side, or a corner, overlap nowhere; they are cut with a slack of CLIP widths and keep the one
+of a side, or a corner, do not overlap.  They are cut with a slack of CLIP widths, and keep the one
 or two points where they touch.
 
-The width of a polygon is four times its area over its perimeter, the side of a square.
+The width of a polygon is four times its area over its perimeter: for a square, its side.
 """
 
 from __future__ import annotations
@@ -31,14 +35,14 @@ import numpy as np
 from drystone.common.compiled import njit
 from drystone.common.tolerances import MERGED_AGAIN, ROUNDING, SIDE_SLOPE, SUMS, TURNS
 
-#: What a corner or point is: a vertex of the incident face, one of the reference face, where two
-#: sides cross, a point on a side of the overlap, the inner point of a corner or the centroid.
+#: Types of corners and points: a vertex of the incident face, a vertex of the reference face, a
+#: crossing of two sides, a point on a side of the overlap, a point within (also the centroid).
 VERTEX_Q, VERTEX_P, CROSSING, ON_SIDE, INNER = 0, 1, 2, 3, 4
 
-#: Columns of the names of corners and points: what it is; vertex or side of the reference face;
-#: of the incident face; the side that leaves the corner (those of the incident face first, then
-#: those of the reference face) or, of points, the number along the side; of corners, whether they
-#: were points before.
+#: Columns of the names of corners and points: type; vertex or side of the reference face; vertex or
+#: side of the incident face; for corners the side that leaves the corner (sides of the incident
+#: face come first, then those of the reference face), for points their number along the side; for
+#: corners whether they were contact points before.
 TYPE, OF_P, OF_Q, LEAVES, KEPT = range(5)
 N_NAME = 5
 
@@ -51,7 +55,7 @@ def width_of(area, perimeter):
 
 @njit(cache=True)
 def measure(corner, half, n):
-    """Area [m2], centroid and perimeter [m] of a polygon of n corners; of none at all, zeros.
+    """Area [m2], centroid (x, y) and perimeter [m] of a polygon of n corners; zeros for n = 0.
 
     The polygon is the first or the second ``half`` of ``corner`` (2, k, 2).
     """
@@ -77,9 +81,10 @@ def measure(corner, half, n):
 
 @njit(cache=True)
 def widened(corner, half, n, reach):
-    """What a polygon of n corners gains in area where its sides move out by ``reach`` (n,) [m2].
+    """Area [m2] that a polygon of n corners gains if its sides move out by ``reach`` (n,) [m].
 
-    A corner goes to where both sides meet then; where these are nearly one, no farther than either.
+    A corner moves to where its two sides then meet.  If they are nearly parallel, the corner moves
+    no farther than the sides.
     """
     gained = 0.0
     for i in range(n):
@@ -96,7 +101,7 @@ def widened(corner, half, n, reach):
         gained += v * reach[i]
         sine, cosine = ux * vy - uy * vx, ux * vx + uy * vy
         if sine > TURNS * u * v:
-            # Twice the kite between the corner, the feet on both sides and where these meet.
+            # The area of the kite between the old corner, its feet on both sides, and the new one.
             s, t = reach[before], reach[i]
             gained += s * t * u * v / sine - 0.5 * (s * s + t * t) * cosine / sine
     return max(gained, 0.0)
@@ -104,10 +109,11 @@ def widened(corner, half, n, reach):
 
 @njit(cache=True)
 def clip(incident, m, reference, n, slack, corner, name):
-    """What of the incident polygon (m corners) lies in the reference polygon (n corners).
+    """Cut the incident polygon (m corners) by the reference polygon (n corners).
 
     Points up to ``slack`` [m] outside count as inside.  ``corner`` (2, k, 2) and ``name``
-    (2, k, N_NAME) are filled; returned is which of the two halves holds the result, and its length.
+    (2, k, N_NAME) are filled.  Returns which of their two halves holds the result, and its number
+    of corners.
     """
     side, count, capacity = 0, m, corner.shape[1]
     for j in range(m):
@@ -163,7 +169,7 @@ def clip(incident, m, reference, n, slack, corner, name):
 
 @njit(cache=True)
 def _nearest(x, y, polygon, n, within):
-    """Vertex of a polygon nearest to (x, y), or -1 where none is ``within`` [m]."""
+    """Vertex of a polygon nearest to (x, y), or -1 if none is nearer than ``within`` [m]."""
     found, best = -1, within * within
     for j in range(n):
         d = (polygon[j, 0] - x) ** 2 + (polygon[j, 1] - y) ** 2
@@ -174,7 +180,7 @@ def _nearest(x, y, polygon, n, within):
 
 @njit(cache=True)
 def name_corners(corner, name, half, count, incident, m, reference, n, near):
-    """Step 1 of the module's: corners that are ``near`` [m] a vertex become that vertex."""
+    """Step 1 of the module's text: corners that are ``near`` [m] to a vertex become this vertex."""
     for i in range(count):
         if name[half, i, TYPE] == VERTEX_Q:
             continue
@@ -195,7 +201,7 @@ def name_corners(corner, name, half, count, incident, m, reference, n, near):
 
 @njit(cache=True)
 def _worse(name, half, i, j):
-    """Whether corner i is less well defined than corner j; by their numbers, if alike."""
+    """Whether corner i is less well defined than corner j; if they are equal, whether i > j."""
     for c in range(3):
         if name[half, i, c] != name[half, j, c]:
             return name[half, i, c] > name[half, j, c]
@@ -204,7 +210,8 @@ def _worse(name, half, i, j):
 
 @njit(cache=True)
 def _goes(corner, name, half, i, j, slope):
-    """Whether of both ends of a short side corner i goes, and not corner j; see the module's."""
+    """Whether corner i of a short side is removed, and not its other end, corner j; see the
+    module's text."""
     dx, dy = corner[half, j, 0] - corner[half, i, 0], corner[half, j, 1] - corner[half, i, 1]
     rise = slope[0] * dx + slope[1] * dy
     if rise * rise > SIDE_SLOPE * SIDE_SLOPE * (dx * dx + dy * dy):
@@ -214,7 +221,7 @@ def _goes(corner, name, half, i, j, slope):
 
 @njit(cache=True)
 def _drop(corner, name, half, count, removed):
-    """Take one corner out of a list."""
+    """Remove one corner from a list."""
     for i in range(removed, count - 1):
         corner[half, i, 0], corner[half, i, 1] = corner[half, i + 1, 0], corner[half, i + 1, 1]
         for c in range(N_NAME):
@@ -223,9 +230,10 @@ def _drop(corner, name, half, count, removed):
 
 @njit(cache=True)
 def merge_corners(corner, name, half, count, short, near, slope):
-    """Steps 2 and 3 of the module's; returns how many corners remain.
+    """Steps 2 and 3 of the module's text; returns the number of corners that remain.
 
-    ``slope`` (2,) is that of the incident face over the reference face.
+    ``short`` [m] is the length up to which sides are removed, ``near`` [m] the distance from a line
+    up to which crossings are.  ``slope`` (2,) is that of the incident face over the reference face.
     """
     while count > 1:
         shortest, at = short * short, -1
@@ -269,7 +277,8 @@ def merge_corners(corner, name, half, count, short, near, slope):
 
 @njit(cache=True)
 def sort_corners(corner, name, half, count):
-    """Begin the list with the corner that is defined best; returns the half that holds it then."""
+    """Let the list begin with the best defined corner; returns the half that then holds the
+    list."""
     start = 0
     for i in range(1, count):
         if _worse(name, half, start, i):
@@ -287,11 +296,11 @@ def sort_corners(corner, name, half, count):
 
 @njit(cache=True)
 def _share(point, weight, a, b, c, d):
-    """Add the area of the quadrilateral a b c d to its corners, by bilinear shape functions.
+    """Distribute the area of the quadrilateral a b c d to its corners, by bilinear shape functions.
 
-    A corner's function is integrated to A/6 + J/3, with the area A and the Jacobian J there, a
-    quarter of the cross product of the corner's sides.  These functions carry linear ones, so the
-    weights have the first moment of the area.
+    The integral of a corner's function is A/6 + J/3, with the area A and the Jacobian J at the
+    corner, which is a quarter of the cross product of its sides.  The shape functions represent
+    linear functions exactly, so the weights have the first moment of the area.
     """
     nodes = (a, b, c, d)
     area = 0.5 * (
@@ -318,7 +327,8 @@ def _named(name, k, type_, of_p, of_q, number):
 
 @njit(cache=True)
 def n_spread(count, points, capacity):
-    """How many points `spread` makes of a polygon; never more than ``capacity``."""
+    """Number of points that `spread` makes of a polygon of ``count`` corners, if ``points`` are
+    made of a quadrilateral; at most ``capacity``."""
     if count >= 3 and points == 16 and 4 * count <= capacity:
         return 4 * count
     if count < 3 or points < 9:
@@ -331,7 +341,7 @@ def n_spread(count, points, capacity):
 
 @njit(cache=True)
 def _node(count, k, i, p, q):
-    """Number of the point p steps on and q back from corner i, in a net of k steps."""
+    """Index of a point in a net of k steps: p steps forward and q steps back from corner i."""
     if p == k and q == k:
         return count * k * (k + 1)
     if q == k:
@@ -341,7 +351,8 @@ def _node(count, k, i, p, q):
 
 @njit(cache=True)
 def _spread_net(corner, name, half, count, cx, cy, k, point, mark, weight):
-    """Points of a polygon in a net with k steps from corners to middles of sides; see `spread`."""
+    """Spread points over a polygon in a net with k steps from corners to middles of sides; see
+    `spread`."""
     for i in range(count):
         before, after = (i - 1) % count, (i + 1) % count
         for q in range(k):
@@ -379,13 +390,18 @@ def _spread_net(corner, name, half, count, cx, cy, k, point, mark, weight):
 def spread(corner, name, half, count, cx, cy, n_points, point, mark, weight):
     """Contact points of a polygon with the centroid (cx, cy), and their areas [m2] before scaling.
 
-    - its corners: each has what lies between it, the middles of its sides and the centroid;
-    - ``2 count + 1`` points: corners, middles, centroid; each of those quadrilaterals goes to its
-      four corners by bilinear shape functions (square: 1/16, 1/8, 1/4 of the area);
-    - ``4 count``: corners, thirds of sides, and a third of the way from the centroid to each
-      corner: cells at corners, at sides and one within (square: 1/36, 1/18, 1/9);
-    - ``count k (k + 1) + 1``, k > 1: the first kind, each quadrilateral cut into a net of k by k
-      (square: a grid, with the weights of the trapezium's rule).
+    The number of points decides the rule:
+
+    - ``count``: the corners.  Each has the area between it, the middles of its sides and the
+      centroid.
+    - ``2 count + 1``: corners, middles of sides, centroid.  They divide the polygon into
+      quadrilaterals, whose areas go to their corners by bilinear shape functions (square: 1/16,
+      1/8, 1/4 of the area).
+    - ``4 count``: corners, thirds of sides, and points a third of the way from the centroid to each
+      corner.  They divide the polygon into cells at corners, at sides, and one within (square:
+      1/36, 1/18, 1/9).
+    - ``count k (k + 1) + 1``, k > 1: as ``2 count + 1``, each quadrilateral cut into a net of k by
+      k (square: a grid, with the weights of the trapezium's rule).
     """
     if n_points > 4 * count:
         k = 2
@@ -433,7 +449,7 @@ def spread(corner, name, half, count, cx, cy, n_points, point, mark, weight):
             j, first, last = (i + 1) % count, count + 2 * i, count + 2 * ((i - 1) % count) + 1
             _share(point, weight, i, first, 3 * count + i, last)
             _share(point, weight, first, first + 1, 3 * count + j, 3 * count + i)
-    first = n_points - count  # the inner polygon's, or the corners themselves
+    first = n_points - count  # first corner of the inner polygon, or of the polygon itself
     for i in range(count):
         j = (i + 1) % count
         area = 0.5 * (
@@ -446,10 +462,10 @@ def spread(corner, name, half, count, cx, cy, n_points, point, mark, weight):
 
 @njit(cache=True)
 def scale(point, n, cx, cy, area, weight):
-    """Make weights add up to the area, and their first moment to that of the area, at (cx, cy).
+    """Scale the weights (n,), so that their sum is ``area`` [m2] and their centroid (cx, cy) [m].
 
-    The least change that does: each weight by a factor that is linear in the point's place.  Points
-    on a line, or factors below zero, are left with the sum alone.
+    This is the least change: each weight gets a factor that is linear in the place of its point.
+    If the points lie on a line, or a factor would be negative, only the sum is corrected.
     """
     total, mx, my, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(n):
@@ -474,7 +490,7 @@ def scale(point, n, cx, cy, area, weight):
         for i in range(n):
             x, y = point[i, 0] - cx, point[i, 1] - cy
             least = min(least, 1.0 + ax * x + ay * y)
-        mean = 1.0 + (ax * mx + ay * my) / total  # of the factors: above zero but for rounding
+        mean = 1.0 + (ax * mx + ay * my) / total  # of the factors; positive but for rounding
         if least > 0.0 and mean > ROUNDING:
             constant = 1.0 / mean
         else:

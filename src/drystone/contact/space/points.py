@@ -1,4 +1,4 @@
-"""Contact points in space: what each is, and its gap, normal and arms in any pose.
+"""Contact points in space: their definition, and their gap, normal and arms in any pose.
 
 Every contact point is a material point of one body, v, on a plane that another body, f, carries
 along (`contacts.VERTEX_B`: v is b and f is a; `VERTEX_A`: the reverse):
@@ -8,20 +8,22 @@ along (`contacts.VERTEX_B`: v is b and f is a; `VERTEX_A`: the reverse):
            from f to v
     t      unit vector in the plane                   PLANE_TANGENT_3
 
-each in the axes of the design.  With R the rotation and u the displacement of a body,
+All vectors are in the axes of the design.  With R the rotation and u the displacement of a body,
 
     d_0 = c_v - c_f + p - o,     D = u_v - u_f + (R_v - I) p - (R_f - I) o
     gap = n . d_0 + (R_f - I) n . d_0 + R_f n . D - radii
 
-so that a gap is what it is as designed and the change since, each for itself, and as precise as the
-displacements: a stiff joint closes by less than the rounding of its place.  Bodies touch at the
-point, or where the ball around it (BALL_3, the radius of a rounded part) meets the plane: both arms
-lead there, from the centroids.  With unit normal n, now from a to b, tangents t_1 = R_f t and
-t_2 = n x t_1, and motions (u_a, w_a, u_b, w_b),
+The designed gap and its change are calculated separately, so that a gap is as precise as the
+displacements.  This is needed because a stiff joint closes by less than the rounding of
+coordinates.
+
+Bodies touch at the point, or where the ball around it (BALL_3, the radius of a rounded part) meets
+the plane.  Both arms lead there from the centroids.  With the present unit normal n from a to b,
+tangents t_1 = R_f t and t_2 = n x t_1, and motions (u_a, w_a, u_b, w_b),
 
     d gap    = n . (du_b + dw_b x arm_b - du_a - dw_a x arm_a),      slips likewise with t_1, t_2
 
-are exact, and reactions along them balance in force and in moment.
+These derivatives are exact, and reactions along them balance in force and in moment.
 """
 
 from __future__ import annotations
@@ -56,7 +58,7 @@ from drystone.contact.space.shapes import rotate_bodies
 
 @njit(cache=True)
 def _rotated(rotation, body, table, row, column):
-    """What the rotation of a body adds to the vector in three columns of a table."""
+    """Change by the rotation of a body of the vector in three columns of a table."""
     x, y, z = table[row, column], table[row, column + 1], table[row, column + 2]
     return (
         rotation[body, 0, 0] * x + rotation[body, 0, 1] * y + rotation[body, 0, 2] * z,
@@ -67,7 +69,8 @@ def _rotated(rotation, body, table, row, column):
 
 @njit(cache=True)
 def evaluate(centroid, radii, rotation, pose, which, value, k, a, b):
-    """Gap, normal, tangent and arms of slot k, whose local data is given; see the module."""
+    """Fill gap, normal, tangent and arms of slot k, whose constant data is given, for bodies a and
+    b; see the module's text.  ``radii`` [m] is the sum of the radii of both parts."""
     if which[k, KIND] == VERTEX_B:
         v, f, sign, of_v, of_f = b, a, 1.0, ARM_B_3, ARM_A_3
     else:
@@ -94,7 +97,8 @@ def evaluate(centroid, radii, rotation, pose, which, value, k, a, b):
 
 @njit(cache=True)
 def evaluate_all(centroid, radii, rotation, pose, which, value, begin, stop, a, b):
-    """Evaluate the slots from ``begin`` to ``stop``, of bodies a and b; the least gap."""
+    """Evaluate the slots from ``begin`` to before ``stop``, of bodies a and b; returns the smallest
+    gap [m]."""
     least = np.inf
     for k in range(begin, stop):
         evaluate(centroid, radii, rotation, pose, which, value, k, a, b)
@@ -104,7 +108,7 @@ def evaluate_all(centroid, radii, rotation, pose, which, value, begin, stop, a, 
 
 @njit(cache=True)
 def empty(which, value, begin, stop):
-    """Take the slots from ``begin`` to ``stop`` out of use."""
+    """Take the slots from ``begin`` to before ``stop`` out of use."""
     for k in range(begin, stop):
         which[k, KIND], value[k, GAP] = NONE, np.inf
         which[k, FEATURE_A], which[k, FEATURE_B] = -1, -1
@@ -112,9 +116,9 @@ def empty(which, value, begin, stop):
 
 @njit(cache=True)
 def follow(shapes, pose, world, pairs, known, slots):
-    """Fill the slots in poses (n, 7) with the points that ``known`` slots have, bodies moved on.
+    """Fill the slots in poses (n, 7) with the points of the ``known`` slots.
 
-    Within a step this is cheaper than finding contacts anew, and smooth.
+    Within a step this is cheaper than finding contacts anew, and it is smooth.
     """
     rotate_bodies(shapes, pose, world)
     centroid, radius, rotation = shapes.centroid, shapes.radius, world.rotation

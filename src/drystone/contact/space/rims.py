@@ -1,23 +1,25 @@
 """Rounded edges that face each other, past the ends of both faces.
 
-Where two blocks end alike, as at the face of a wall, and tilt against each other, the rim of either
-core may lie past the end of the other one's face: then neither vertex is above the other's face,
-and what touches are the rounded edges themselves.  `overlap` takes corners that all but coincide
-for one, as a vertex of the incident face or of the reference face.  Of rounded parts the normal
-there is
+Two blocks may end in the same plane, as at the face of a wall, and tilt against each other.  Then
+the rim of each core may lie past the end of the other's face: neither vertex is above the other
+face, and the rounded edges themselves touch.  `overlap` merges corners that nearly coincide into
+one vertex, of the incident face or of the reference face.  Of rounded parts, the normal at this
+vertex is
 
-1. that of the face which the vertex of the other part lies above;
-2. else that of the other face, if the nearest point of the rim lies above it;
-3. else the direction from that point to the nearest one of the other rim.
+1. the normal of the other part's face, if the vertex lies above it;
+2. otherwise the normal of the vertex's own face, if the nearest point of the other rim lies above
+   it;
+3. otherwise the direction from this nearest point to the nearest point of the own rim.
 
-So it turns steadily from that of the one face to that of the other.  In the third case bodies touch
-midway between both surfaces, in the others at the one that has the vertex, as in the plane.  The
-nearest point of the other rim need not be the vertex: beside a corner it lies on the next side.
+So the normal turns continuously from that of one face to that of the other.  In the third case the
+bodies touch midway between both surfaces, otherwise at the surface that has the vertex, as in the
+plane.  The nearest point of the own rim need not be the vertex: beside a corner it lies on the next
+side.
 
-An incident face that goes down beyond a side of the reference face tilts about that side.  The
-points there, where sides cross and in between, are points of that side on the incident face.  Else
-they would be open by the sum of the radii times half the square of the tilt, where a vertex at an
-end of the same side is in contact.
+If the incident face goes down beyond a side of the reference face, it tilts about this side.  Its
+points there (crossings and points in between) become points of the side on the incident face.
+Otherwise they would be open by the sum of the radii times half the square of the tilt, while a
+vertex at an end of the same side is in contact.
 """
 
 from __future__ import annotations
@@ -44,10 +46,11 @@ from drystone.contact.contacts import (
 
 @njit(cache=True)
 def _rim(ring, corner, vertex, normal, face, at, past):
-    """Where the outline of a face is nearest to a point past its end, seen along its normal.
+    """The point of the outline of a face that is nearest to a point ``at`` (3,) [m] past its end,
+    seen along its normal.
 
-    Returned are two vertices and the share of the way from the first to the second, or -1 where the
-    point is past no side by more than ``past`` [m].
+    Returns two vertices and the share of the way from the first to the second.  The vertices are -1
+    if the point is not past any side by more than ``past`` [m].
     """
     begin, end = ring[face], ring[face + 1]
     n0, n1, n2 = normal[face, 0], normal[face, 1], normal[face, 2]
@@ -76,14 +79,14 @@ def _rim(ring, corner, vertex, normal, face, at, past):
 
 @njit(cache=True)
 def _between(points, first, second, share, c):
-    """Coordinate c of the point at a share of the way from one of some points to another."""
+    """Coordinate c of the point at a ``share`` of the way between two of the ``points`` (k, 3)."""
     return points[first, c] + share * (points[second, c] - points[first, c])
 
 
 @njit(cache=True)
 def _tilts_about(scene, edge, face, beyond, at):
-    """Whether an incident face, ``beyond``, goes down past the side ``edge`` of a face, and lies
-    above that at ``at`` (3,) [m]."""
+    """Whether an incident face ``beyond`` goes down past the side ``edge`` of a ``face``, and its
+    point ``at`` (3,) [m] lies above this face."""
     normal, vertex = scene.normal, scene.vertex
     sense = 1.0 if scene.edge[edge, 2] == face else -1.0
     first, second = scene.edge[edge, 0], scene.edge[edge, 1]
@@ -99,7 +102,7 @@ def _tilts_about(scene, edge, face, beyond, at):
 
 @njit(cache=True)
 def _place(scene, v, k, value, at):
-    """Where the point of body v in slot k is [m], into ``at`` (3,)."""
+    """Fill ``at`` (3,) [m] with the present place of the point of body v in slot k."""
     for c in range(3):
         at[c] = scene.centroid[v, c] + scene.pose[v, c] + value[k, POINT_3 + c]
         for i in range(3):
@@ -108,7 +111,8 @@ def _place(scene, v, k, value, at):
 
 @njit(cache=True)
 def _to_side(scene, edge, k, value, at):
-    """Make slot k the point of an ``edge`` that is nearest to ``at`` (3,) [m], which goes there."""
+    """Let slot k have the point of an ``edge`` that is nearest to ``at`` (3,) [m], and move ``at``
+    to it."""
     local, vertex = scene.local, scene.vertex
     first, second = scene.edge[edge, 0], scene.edge[edge, 1]
     along, square = 0.0, 0.0
@@ -124,7 +128,7 @@ def _to_side(scene, edge, k, value, at):
 
 @njit(cache=True)
 def _lie_on(scene, face, k, value):
-    """Make the plane of slot k that of a face."""
+    """Let slot k have the plane of a ``face``."""
     origin = scene.corner[scene.ring[face], 0]
     for c in range(3):
         value[k, PLACE_3 + c] = scene.local[origin, c]
@@ -134,10 +138,10 @@ def _lie_on(scene, face, k, value):
 
 @njit(cache=True)
 def _point_past(scene, parts, k, which, value, at):
-    """Whether slot k of two ``parts`` has a point that may lie past the end of the face it is on,
-    and its place [m], into ``at`` (3,).
+    """Whether the point of slot k, between two ``parts``, may lie past the end of its face.
 
-    Points of a side that the other part tilts about become points on that part's face.
+    Fills ``at`` (3,) [m] with the place of the point.  Points of a side about which the other part
+    tilts become points on the face of the other part.
     """
     n_vertices, n_edges = scene.local.shape[0], scene.edge.shape[0]
     on_b = which[k, KIND] == VERTEX_B
@@ -162,10 +166,10 @@ def _point_past(scene, parts, k, which, value, at):
 
 @njit(cache=True)
 def meet_rims(scene, work, p, q, begin, stop, which, value):
-    """Give slots from ``begin`` to ``stop``, of parts p and q, their balls, and at a rim the normal
-    that rounded edges have there.
+    """Fill the radii of the balls of slots from ``begin`` to before ``stop``, of parts p and q, and
+    at a rim the normal of the rounded edges.
 
-    ``work`` (5, 3) is scratch.
+    ``work`` (5, 3) is scratch memory.
     """
     radius_a, radius_b = scene.radius[p], scene.radius[q]
     radii = radius_a + radius_b

@@ -1,8 +1,8 @@
-"""Gradients of gap and slips in space: how they go with the motions of both bodies.
+"""Gradients of gap and slips in space, by the motions of both bodies.
 
-Motions are (u_a, w_a, u_b, w_b), translations along the axes of the world and rotations about the
-bodies' principal axes, whose directions now are the columns of ``axes``; see
-`contact.space.manifold`.
+Motions are (u_a, w_a, u_b, w_b): translations along the axes of the world, and rotations about the
+principal axes of the bodies.  The present directions of the principal axes are the columns of
+``axes`` (n, 3, 3).  See `contact.space.points`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from drystone.contact.contacts import (
 
 @njit(cache=True)
 def _along(value, k, x, y, z, axes, a, b, rows, c, row):
-    """Gradient of the motion of b against a along (x, y, z), at the point of slot k."""
+    """Write the gradient of the motion of b relative to a along (x, y, z), at the point of slot k,
+    into a row of contact c."""
     for side in range(2):
         arm, body = (ARM_A_3, a) if side == 0 else (ARM_B_3, b)
         sign, first = (-1.0, 0) if side == 0 else (1.0, 6)
@@ -37,7 +38,8 @@ def _along(value, k, x, y, z, axes, a, b, rows, c, row):
 
 @njit(cache=True)
 def gradients_in_space(value, k, axes, a, b, rows, c):
-    """Gradients of gap and both slips of slot k into the first three rows of contact c."""
+    """Write the gradients of gap and both slips of slot k into the first three rows of contact
+    c."""
     nx, ny, nz = value[k, NORMAL_3], value[k, NORMAL_3 + 1], value[k, NORMAL_3 + 2]
     tx, ty, tz = value[k, TANGENT_3], value[k, TANGENT_3 + 1], value[k, TANGENT_3 + 2]
     _along(value, k, nx, ny, nz, axes, a, b, rows, c, 0)
@@ -48,8 +50,8 @@ def gradients_in_space(value, k, axes, a, b, rows, c):
 
 @njit(cache=True)
 def packed_rows_in_space(value, which, count, axes, rows):
-    """Gradients of contacts, packed, into ``rows`` (n, 5, 12): of gap and slips, and those by which
-    slips are measured."""
+    """Fill ``rows`` (n, 5, 12) of packed contacts with the gradients of gap and slips, and those by
+    which slips are measured."""
     for c in range(count):
         gradients_in_space(value, which[c, SLOT], axes, which[c, BODY_A], which[c, BODY_B], rows, c)
         for i in range(12):

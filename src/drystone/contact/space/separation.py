@@ -1,12 +1,13 @@
-"""How far two convex parts are apart, along the normals of their faces and across their edges.
+"""The separation of two convex parts, along the normals of their faces and across their edges.
 
-Separating axes: convex bodies are as far apart as the best axis says.  A vertex on a face and an
-edge on a face show on the faces' normals.  Two edges that cross are one beside the other along the
-cross product of their directions, if the planes normal to it support both bodies there, which is
-so where the arcs of their faces' normals on the unit sphere cross (one body's normals reversed).
+This is the method of separating axes: the separation of convex bodies is the largest separation
+along any axis.  If a vertex or an edge meets a face, the axis is the normal of the face.  If two
+edges cross, the axis is the cross product of their directions, provided that the planes normal to
+it support both bodies there.  They do if the arcs between the normals of the edges' faces cross on
+the unit sphere, with the normals of one body reversed.
 
-Rounded bodies may also be nearest to each other across other features; there the nearest points of
-all edges are looked for.
+Rounded bodies may also be nearest to each other at other features.  Then the nearest points of all
+edges are looked for.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from drystone.common.tolerances import ON_NORMAL, PARALLEL, SUMS
 
 @njit(cache=True)
 def separation(first, ring, corner, vertex, normal, face, q):
-    """By how much a face of another part separates it from part q [m]."""
+    """Distance [m] of part q from the plane of a ``face`` of another part; negative if it reaches
+    below."""
     nx, ny, nz = normal[face, 0], normal[face, 1], normal[face, 2]
     least = np.inf
     for j in range(first[q, 0], first[q + 1, 0]):
@@ -30,11 +32,12 @@ def separation(first, ring, corner, vertex, normal, face, q):
 
 @njit(cache=True)
 def best_face(first, ring, corner, vertex, normal, middle, p, q, kept, limit):
-    """Face of part p that separates it most from part q, and by how much [m].
+    """Face of part p that separates it most from part q, and its separation [m].
 
-    Also returned is by how much the face ``kept`` does, or minus infinity where p has no such
-    face.  A separation beyond ``limit`` ends the search.  ``middle`` (n_parts, 3) is a point within
-    each part: where that of q is no farther off a face than the best so far, all of q is not.
+    The third result is the separation of the face ``kept``, or minus infinity if p has no such
+    face.  A separation beyond ``limit`` [m] ends the search.  ``middle`` (n_parts, 3) [m] is a
+    point within each part.  It allows to skip faces: part q is no farther from a face than its
+    middle.
     """
     best, found, of_kept = -np.inf, first[p, 1], -np.inf
     mx, my, mz = middle[q, 0], middle[q, 1], middle[q, 2]
@@ -56,9 +59,10 @@ def best_face(first, ring, corner, vertex, normal, middle, p, q, kept, limit):
 
 @njit(cache=True)
 def most_opposed(first, normal, face, q, kept, slack):
-    """Face of part q whose normal is most opposed to that of ``face``, and their scalar product.
+    """Face of part q whose normal is most opposed to that of ``face``, and the scalar product of
+    the normals.
 
-    The face ``kept`` of q stays as long as it is worse by no more than ``slack``.
+    The face ``kept`` of q is returned if its scalar product is worse by no more than ``slack``.
     """
     nx, ny, nz = normal[face, 0], normal[face, 1], normal[face, 2]
     best, found, of_kept = np.inf, first[q, 1], np.inf
@@ -75,7 +79,8 @@ def most_opposed(first, normal, face, q, kept, slack):
 
 @njit(cache=True)
 def most_opposed_near(first, ring, corner, vertex, normal, face, q, deepest):
-    """The same among those faces of q that come within ``deepest`` [m] of the plane of ``face``."""
+    """The same as `most_opposed`, among those faces of q that have a vertex no higher than
+    ``deepest`` [m] above the plane of ``face``."""
     nx, ny, nz = normal[face, 0], normal[face, 1], normal[face, 2]
     v = corner[ring[face], 0]
     base = nx * vertex[v, 0] + ny * vertex[v, 1] + nz * vertex[v, 2]
@@ -107,7 +112,7 @@ def _dot(a, b):
 
 @njit(cache=True)
 def distance(vertex, a0, a1, b0, b1, shares):
-    """How far points of two segments are apart [m], which lie at ``shares`` (2,) of them."""
+    """Distance [m] of two points at ``shares`` (2,) of the segments a0-a1 and b0-b1."""
     apart = 0.0
     for c in range(3):
         u, v = vertex[a1, c] - vertex[a0, c], vertex[b1, c] - vertex[b0, c]
@@ -117,9 +122,10 @@ def distance(vertex, a0, a1, b0, b1, shares):
 
 @njit(cache=True)
 def nearest_on_lines(vertex, a0, a1, b0, b1, out):
-    """Shares along two segments of their nearest points, into ``out`` (2,); their distance [m].
+    """Fill ``out`` (2,) with the shares of two segments at their nearest points; returns the
+    distance of these points [m].
 
-    Of parallel segments, points in the middle of where they face each other.
+    Parallel segments get points in the middle of where they face each other.
     """
     aa, bb, ab, ad, bd = 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(3):
@@ -145,10 +151,11 @@ def nearest_on_lines(vertex, a0, a1, b0, b1, out):
 
 @njit(cache=True)
 def best_edges(first, edge, vertex, normal, p, q, work):
-    """Edges of p and q that cross and separate them most, and by how much [m].
+    """Edges of p and q that cross and separate the parts most, and their separation [m].
 
-    ``work`` (5, 3) is scratch; its first row is the axis, from p to q, and the second one holds
-    the shares along both edges.  Edges that would meet beyond an end do not count.
+    ``work`` (5, 3) is scratch memory.  On return its first row is the axis from p to q, and the
+    second row has the shares of both edges.  The separation is minus infinity if the edges would
+    meet beyond an end.
     """
     axis, shares, u, v, found = work[0], work[1], work[2], work[3], work[4]
     best, edge_p, edge_q = -np.inf, -1, -1
@@ -159,7 +166,8 @@ def best_edges(first, edge, vertex, normal, p, q, work):
             u[c] = vertex[a1, c] - vertex[a0, c]
         for j in range(first[q, 2], first[q + 1, 2]):
             nc, nd = normal[edge[j, 2]], normal[edge[j, 3]]
-            # The arcs na-nb and (-nc)-(-nd); each edge runs along the cross product of its own.
+            # Arcs na-nb and (-nc)-(-nd): each edge has the direction of the cross product of its
+            # two normals.
             c_side, d_side = _dot(nc, u), _dot(nd, u)
             if c_side * d_side >= 0.0:
                 continue
@@ -193,8 +201,8 @@ def best_edges(first, edge, vertex, normal, p, q, work):
 
 @njit(cache=True)
 def toward(vertex, a0, a1, b0, b1, shares, axis):
-    """Unit vector from a point of one segment to one of another, which lie at ``shares`` (2,) of
-    them and are apart, into ``axis`` (3,)."""
+    """Fill ``axis`` (3,) with the unit vector from a point of segment a0-a1 to a point of segment
+    b0-b1, at ``shares`` (2,) of the segments; the points must not coincide."""
     size = distance(vertex, a0, a1, b0, b1, shares)
     for c in range(3):
         of_a = vertex[a0, c] + shares[0] * (vertex[a1, c] - vertex[a0, c])
@@ -204,10 +212,10 @@ def toward(vertex, a0, a1, b0, b1, shares, axis):
 
 @njit(cache=True)
 def nearest_edges(first, edge, vertex, p, q, work):
-    """Edges of p and q that come nearest to each other, and how near [m].
+    """Edges of p and q that are nearest to each other, and their distance [m].
 
-    ``work`` (5, 3) is scratch; its first row is the unit vector from p's point to q's, where they
-    are apart, and the second one holds the shares along both edges.
+    ``work`` (5, 3) is scratch memory.  On return its first row is the unit vector from the point of
+    p to that of q, if they do not coincide, and the second row has the shares of both edges.
     """
     axis, shares, trial = work[0], work[1], work[4]
     best, edge_p, edge_q = np.inf, -1, -1

@@ -1,4 +1,5 @@
-"""Convex parts in space as kernels take them: as designed, in their present places, and scratch."""
+"""Arrays of convex parts in space, for kernels: as designed, in present poses, and scratch
+memory."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ class Shapes(NamedTuple):
 
 
 class World(NamedTuple):
-    """Bodies in their present places; scratch, refilled for every pose."""
+    """Bodies in their present poses; scratch memory, filled anew for all poses."""
 
     rotation: Array  # (n, 3, 3) rotation less identity
     axes: Array  # (n, 3, 3) columns are the principal axes
@@ -45,7 +46,7 @@ class World(NamedTuple):
 
     @classmethod
     def of(cls, shapes: Shapes) -> World:
-        """Memory for these shapes."""
+        """Memory for the bodies of these shapes."""
         n = len(shapes.centroid)
         return cls(
             rotation=np.zeros((n, 3, 3)),
@@ -57,10 +58,10 @@ class World(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """What the search for contact points reads of shapes and world: one record for its kernels.
+    """The arrays of shapes and world that the search for contact points reads, as one record.
 
-    Each array of a record is counted at every call, so that there is none here that they do not
-    need.
+    The references of each array in a record are counted at every call.  So the record has no array
+    that the kernels do not need.
     """
 
     first: IntArray
@@ -82,24 +83,25 @@ class Scene(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Where two faces and their overlap are laid out: made once, used for one pair at a time."""
+    """Scratch memory for two faces and their overlap, allocated once and used for one pair at a
+    time."""
 
     reference: Array  # (most, 2) m, corners of the reference face, seen along its normal
     incident: Array  # (most, 2) m, corners of the incident face
     polygon: Array  # (2, capacity, 2) m, corners of their overlap; see `overlap.clip`
-    name: IntArray  # (2, capacity, N_NAME) what these are
+    name: IntArray  # (2, capacity, N_NAME) names of these corners
     point: Array  # (largest, 2) m, contact points; see `overlap.spread`
-    mark: IntArray  # (largest, 4) what these are
-    weight: Array  # (largest,) m2
+    mark: IntArray  # (largest, 4) names of these points
+    weight: Array  # (largest,) m2, tributary areas of these points
     work: Array  # (5, 3) tangents of the reference face, and scratch of rims
     crossing: Array  # (5, 3) of edges, see `separation.best_edges`; kept while faces are tried
-    # (largest + 1, 2) features of the pair's points before; behind the last of them, -1.
+    # (largest + 1, 2) features of the former points of the pair; -1 follows the last.
     known: IntArray
 
 
 @njit(cache=True)
 def scene_of(shapes, pose, world):
-    """Shapes in the poses (n, 7), for which ``world`` has been filled."""
+    """The record of shapes in the poses (n, 7), for which ``world`` has been filled."""
     return Scene(
         shapes.first,
         shapes.ring,
@@ -122,7 +124,8 @@ def scene_of(shapes, pose, world):
 
 @njit(cache=True)
 def scratch_for(ring, points):
-    """Scratch for the faces whose first corners are in ``ring``, with this many points each."""
+    """Scratch memory for the faces whose first corners are in ``ring``; an overlap has at most this
+    number of ``points`` if it is a quadrilateral."""
     most = 0
     for f in range(ring.shape[0] - 1):
         most = max(most, ring[f + 1] - ring[f])
@@ -144,7 +147,7 @@ def scratch_for(ring, points):
 
 @njit(cache=True)
 def rotate_bodies(shapes, pose, world):
-    """Rotations and principal axes of all bodies in poses (n, 7)."""
+    """Fill ``world`` with rotations and principal axes of all bodies in poses (n, 7)."""
     designed, rotation, axes = shapes.axes, world.rotation, world.axes
     for body in range(pose.shape[0]):
         place_axes(pose, body, designed, rotation, axes)
@@ -152,7 +155,8 @@ def rotate_bodies(shapes, pose, world):
 
 @njit(cache=True)
 def place(shapes, pose, world):
-    """Vertices and face normals of all parts in poses (n, 7), and what `rotate_bodies` does."""
+    """Fill ``world`` with vertices and face normals of all parts in poses (n, 7), and with the
+    results of `rotate_bodies`."""
     rotate_bodies(shapes, pose, world)
     rotation, vertex, normal, middle = world.rotation, world.vertex, world.normal, world.middle
     first, of_part, centroid = shapes.first, shapes.of_part, shapes.centroid

@@ -16,10 +16,11 @@ Faces = tuple[tuple[int, ...], ...]
 
 @lru_cache(maxsize=1024)  # blocks of a wall have their faces in common
 def _topology(faces: Faces) -> tuple[IntArray, IntArray, IntArray]:
-    """Corners of each face; vertex, next vertex and edge of each corner; edges.
+    """Topology of a part: number of corners of each face (n_faces,); vertex, next vertex and edge
+    of each corner (k, 3); edges (n_edges, 4).
 
-    Shapes (n_faces,), (k, 3) and (n_edges, 4): two vertices, the face that runs along and the one
-    that runs back.
+    An edge has two vertices, the face around which it leads from the first to the second, and the
+    face around which it leads back.
     """
     count = np.array([len(face) for face in faces])
     edge_of: dict[tuple[int, int], int] = {}
@@ -59,7 +60,8 @@ def _planes(local: Array, ring: IntArray, corner: IntArray) -> tuple[Array, Arra
 def _all_topology(
     cores: Sequence[tuple[Array, Faces]],
 ) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """First vertex, face and edge of each part; corners of each face; corners and edges of all."""
+    """Topology of all parts: first vertex, face and edge of each part (n_parts + 1, 3); first
+    corner of each face (n_faces + 1,); corners and edges as in `_topology`."""
     topology = [_topology(faces) for _, faces in cores]
     numbers = [
         (len(core), len(count), len(edges))
@@ -91,18 +93,18 @@ def pack(
     Parameters
     ----------
     cores
-        Of each part its vertices relative to the body's centroid, (m, 3) [m], and its faces by rows
-        of these, counter-clockwise seen from outside.  Faces in one plane must be one face.
+        For each part: vertices relative to the body's centroid, (m, 3) [m], and faces as rows of
+        these vertices, counter-clockwise seen from outside.  Faces in one plane must be one face.
     of_part
         Body of each part, (n_parts,).
     radius
-        By which the surface lies outside the core, (n_parts,) [m].
+        Distance of the surface from the core, (n_parts,) [m].
     setback
-        By how much the sides of faces lie inside of the designed ones, (n_corners,) [m].
+        Distance by which the sides of faces lie inside the designed sides, (n_corners,) [m].
     centroid
-        Of the bodies as designed, (n, 3) [m].
+        Designed centroids of the bodies, (n, 3) [m].
     axes
-        Principal axes of the bodies as designed, in columns, (n, 3, 3).
+        Designed principal axes of the bodies, in columns, (n, 3, 3).
     """
     local = np.ascontiguousarray(np.vstack([core for core, _ in cores]), dtype=np.float64)
     first, ring, corner, edge = _all_topology(cores)

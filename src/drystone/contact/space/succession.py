@@ -1,8 +1,8 @@
-"""Which contact point in space inherits the history of which, and what it inherits.
+"""From which former contact point a contact point in space inherits its history.
 
-A point inherits from the point of the same pair that has the same features.  Where features have
-changed (a corner that was a crossing is a vertex now) it inherits from the nearest point without
-another heir, if that is no farther than SUCCESSOR widths of the interface.
+A point inherits from the point of the same pair that has the same features.  If features have
+changed (a crossing has become a vertex), it inherits from the nearest former point from which no
+other point inherits, if its distance is at most SUCCESSOR widths of the interface.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from drystone.contact.contacts import (
 
 @njit(cache=True)
 def _apart(was, now, j, k):
-    """Squared distance of two points of a pair, seen from the body where it is less [m2]."""
+    """Squared distance of two points of a pair [m2], the smaller one of the two seen from a and
+    from b."""
     on_a, on_b = 0.0, 0.0
     for c in range(3):
         on_a += (was[j, ARM_A_3 + c] - now[k, ARM_A_3 + c]) ** 2
@@ -36,7 +37,7 @@ def _apart(was, now, j, k):
 
 @njit(cache=True)
 def _match(before, was, after, now, begin, end, source, taken):
-    """Sources of the slots of one pair, ``begin`` to ``end``."""
+    """Find the sources of the slots of one pair, from ``begin`` to before ``end``."""
     area_before, area_now, left = 0.0, 0.0, 0
     for k in range(begin, end):
         source[k], taken[k] = -1, before[k, KIND] == NONE
@@ -45,7 +46,7 @@ def _match(before, was, after, now, begin, end, source, taken):
     for k in range(begin, end):
         if after[k, KIND] == NONE:
             continue
-        # Most often the same slot; else one after the other.
+        # Mostly it is the same slot, so the search begins there.
         for step in range(end - begin):
             j = k + step if k + step < end else begin + (k + step - end)
             if (
@@ -77,7 +78,8 @@ def _match(before, was, after, now, begin, end, source, taken):
 def find_predecessors(pairs, previous, slots, source):
     """For every slot, the slot of the same pair whose history it inherits, or -1.
 
-    ``previous`` has the same pairs.  No slot is succeeded twice.
+    ``previous`` are the former slots of the same pairs.  Each has at most one heir.  Fills
+    ``source`` (n_slots,).
     """
     pair = pairs.of_slot
     (before, was), (after, now) = previous, slots
@@ -94,10 +96,11 @@ def find_predecessors(pairs, previous, slots, source):
 
 @njit(cache=True)
 def carried(before, now, source, shear_before, shear):
-    """Tangential reactions (n_slots, 2) [N] of the old slots, along the tangents of the new ones.
+    """Turn the tangential reactions of former slots to the tangents of the slots that inherit them.
 
-    ``before`` are the old slots followed to the present pose.  What of a force points along a new
-    normal is dropped.
+    ``before`` are the former slots, followed to the present pose, with the tangential reactions
+    ``shear_before`` (n_before, 2) [N].  Fills ``shear`` (n_slots, 2) [N].  The component along the
+    new normal is dropped.
     """
     (_, was), (which, value) = before, now
     for k in range(which.shape[0]):
