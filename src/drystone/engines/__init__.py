@@ -1,7 +1,7 @@
 """Engines by name.  Each is imported only when it is asked for.
 
-An entry point of another package names what makes the engine when called without arguments: its
-class, as a rule.
+An entry point of another package names a callable without arguments that makes the engine, usually
+its class.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from drystone.common.registry import Registry, RegistryError
 if TYPE_CHECKING:
     from drystone.engines.base import Capabilities, Engine
 
-#: Classes of ours, and what makes those of others.
+#: Our own engine classes, and the callables that make engines of other packages.
 ENGINES: Registry[Callable[[], object]] = Registry(
     what="engine",
     group="drystone.engines",
@@ -24,8 +24,8 @@ ENGINES: Registry[Callable[[], object]] = Registry(
         "distinct": "drystone.dynamics.distinct.engine:DistinctEngine",
     },
 )
-#: Engines of ours in packages of their own, found like those of others: what installs each, in the
-#: folder of this source.
+#: Our own engines in separate packages, which are found like those of others; and the command that
+#: installs each, in the folder of drystone's source.
 _APART = {"lmgc90": "pip install ./plugins/drystone-lmgc90"}
 
 
@@ -34,23 +34,23 @@ BUILT_IN = tuple(ENGINES.ours)
 
 
 def able(can: Callable[[Capabilities], bool]) -> tuple[str, ...]:
-    """Names of our own engines with capabilities of some kind."""
+    """Names of our own engines whose capabilities fulfil a condition."""
     classes: Any = ENGINES.own()
     return tuple(name for name, own in classes if can(own.capabilities))
 
 
 def engine_names() -> tuple[str, ...]:
-    """Names that `make_engine` knows: ours, then those of other packages."""
+    """Names that `make_engine` knows: our own engines, then those of other packages."""
     return tuple(dict.fromkeys((*BUILT_IN, *_APART, *ENGINES.names())))
 
 
 def make_engine(name: str) -> Engine[Any]:
-    """A new engine with its default settings.
+    """Make a new engine with its default settings.
 
     Raises
     ------
     EngineError
-        There is no engine of that name, its package is not installed or cannot be loaded.
+        There is no engine of this name, or its package is not installed or cannot be loaded.
     """
     from drystone.engines.base import EngineError
     from drystone.engines.framed import framed
@@ -67,14 +67,14 @@ def make_engine(name: str) -> Engine[Any]:
         engine = ENGINES[name]()
     except RegistryError as error:
         raise EngineError(str(error)) from error
-    except (ImportError, TypeError) as error:  # of what it needs, of methods that are missing
+    except (ImportError, TypeError) as error:  # a package or an abstract method is missing
         told = f'the engine "{name}" ({ENGINES.place(name)}) cannot be made: {error}'
         raise EngineError(told) from error
     return framed(checked(engine))
 
 
 def checked(engine: object) -> Engine[Any]:
-    """An engine of somebody else's; raises `EngineError` for what is none."""
+    """Check an object made by another package; raises `EngineError` if it is no engine."""
     from drystone.engines.base import Engine, EngineError
 
     kind = type(engine)

@@ -1,13 +1,13 @@
 """Steps of structures whose bonds break, for engines that solve for the multiplier of an increment.
 
-A bond that breaks loses its force, and the multiplier drops with it: the curve is a saw-tooth whose
-teeth are the breaks.  The teeth must not depend on the length of steps:
+A bond that breaks loses its force, and the multiplier drops.  So the curve is a saw-tooth with one
+tooth for each break.  The teeth must not depend on the length of steps:
 
-- bonds stay intact, whatever they carry, while a step is being solved;
-- a step in which bonds exceed their strength is repeated up to where the first bond reaches it.  It
-  ends there: the tip of a tooth is a point of the curve;
-- the next step has no increment.  The bond breaks, and the equilibrium at the same displacement is
-  found.  While a bond is then beyond its strength, the weakest breaks too.
+- Bonds stay intact, whatever they carry, while a step is being solved.
+- If bonds exceed their strength in a step, the step is repeated with the increment at which the
+  first bond reaches its strength.  So the tip of a tooth is a point of the curve.
+- The next step has no increment.  The bond breaks, and the equilibrium at the same displacement is
+  found.  As long as other bonds then exceed their strength, the weakest one breaks too.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from drystone.engines.base import StepReport
 from drystone.law.bonds import crossing, release, weakest
 from drystone.model.ties import Bars
 
-#: A frozen dataclass with `pairs`, `reaction` (n_slots, dim), `margin` (n_slots + n_ties,) of the
-#: bonds, see `law.bonds`, and of `ties`, and `due`, the rows of those that the step has ended
-#: for.
+#: A frozen dataclass with `pairs`, `ties`, `reaction` (n_slots, dim) [N], `margin`
+#: (n_slots + n_ties,) of the bonds and ties, see `law.bonds`, and `due`: the rows of `margin` at
+#: whose limit the step has ended.
 State = TypeVar("State", bound=Any)
 Solved = tuple[State, StepReport]
 
@@ -36,16 +36,16 @@ Solved = tuple[State, StepReport]
 class BondSteps(Generic[State]):
     """The steps of one engine."""
 
-    solve: Callable[[State, float], tuple[State, StepReport]]  # by a share of the increment
-    broken: Callable[[State, IntArray], State]  # the state without the bonds of some slots
+    solve: Callable[[State, float], tuple[State, StepReport]]  # a step of a share of the increment
+    broken: Callable[[State, IntArray], State]  # the state without the bonds of some rows
     laws: Array  # table of `law.table`
-    weight: Array  # (n,) N, of blocks: the measure of what a bond releases
-    near: float  # margin, from above, that counts as being at the strength
-    bars: Bars | None = None  # ties that may break, as bonds do, or yield
-    most_trials: int = 20  # for the share at which a bond is
+    weight: Array  # (n,) N, of blocks, to which the force that a bond releases is compared
+    near: float  # margin up to which a bond counts as at its strength
+    bars: Bars | None = None  # ties, which may break, as bonds do, or yield
+    most_trials: int = 20  # for the share at which the first bond reaches its strength
 
     def advance(self, state: State) -> Solved[State]:
-        """As much of the increment as the bonds allow, or what a break brings about.
+        """Take as much of the increment as the bonds allow, or break the bonds that are due.
 
         Bonds that release next to nothing, such as those of joints without pressure, break within
         the step.
@@ -78,15 +78,15 @@ class BondSteps(Generic[State]):
                 break
             at = self.broken(new, new.due)
         path = replace(report.path, dynamic_states=passed)
-        if parts > 1:  # what is known of the path is that of its last part
+        if parts > 1:  # the path is known in the last part only
             path = replace(path, excess=None, bend=None)
         return new, replace(
             report, reached=reached, motion=motion, n_iterations=iterations, path=path
         )
 
     def _released(self, state: State) -> float:
-        """The largest force that a bond or tie will release, over the weight of the lighter of the
-        two blocks that it joins."""
+        """The largest force that a due bond or tie will release, over the weight of the lighter of
+        its two blocks."""
         due, n_slots, pairs = state.due, len(state.reaction), state.pairs
         bonds, ties = due[due < n_slots], due[due >= n_slots] - n_slots
         force = release(self.laws, pairs.law_of_slot[bonds], state.reaction[bonds])
@@ -100,7 +100,7 @@ class BondSteps(Generic[State]):
         return share
 
     def _yields(self, state: State) -> bool:
-        """Whether the step has ended where ties begin to yield: a corner of the curve, at which
+        """Whether the step has ended where ties begin to yield.  There the curve has a corner, and
         no force is released."""
         ties = state.due - len(state.reaction)
         return self.bars is not None and not (
@@ -108,15 +108,16 @@ class BondSteps(Generic[State]):
         )
 
     def _towards(self, state: State, whole: float) -> Solved[State]:
-        """The step by a share of the increment, or as far as the first bond allows.
+        """Take a share ``whole`` of the increment, or as much as the first bond allows.
 
-        The bonds are then ``due`` in the state, and `reached` says how far that was.
+        In the second case the bond is ``due`` in the new state.  `StepReport.reached` is the share
+        that was taken.
         """
         beyond, report = self.solve(state, whole)
         if not report.converged or beyond.margin.min(initial=np.inf) >= -BOND_TIE:
             return beyond, replace(report, reached=whole)
         low, high = (0.0, state.margin), (whole, beyond.margin)
-        earlier: tuple[float, Array] | None = None  # than ``low``, where that has moved last
+        earlier: tuple[float, Array] | None = None  # the former ``low``, if ``low`` moved last
         best = state, StepReport(converged=True, reached=0.0)
         for trial in range(self.most_trials):
             share = self._share(earlier, low, high, halve=trial % 4 == 3)
@@ -143,10 +144,11 @@ class BondSteps(Generic[State]):
         *,
         halve: bool,
     ) -> float:
-        """Where to look for the first bond next, between two shares of the step.
+        """The share of the step to try next, between ``low`` and ``high``.
 
-        A margin far beyond the strength tells little about where it is reached.  So two margins
-        before it are extrapolated where there are two, and every fourth trial halves the range.
+        A margin far beyond the strength tells little about where the strength is reached.  So two
+        margins before the strength are extrapolated, if there are two.  Every fourth trial halves
+        the range.
         """
         if earlier is not None:
             share = self._crossing(earlier, low)
@@ -159,22 +161,23 @@ class BondSteps(Generic[State]):
 
     def _crossing(self, first: tuple[float, Array], second: tuple[float, Array]) -> float:
         (one, before), (two, after) = first, second
-        if len(before) != len(after):  # other contacts are watched
+        if len(before) != len(after):  # the list of contacts has changed
             before, after = before.min(keepdims=True), after.min(keepdims=True)
         return crossing(one, before, two, after, 0.5 * self.near)
 
     def _first(self, margin: Array) -> IntArray:
-        """The bonds that are at their strength as good as together."""
+        """Rows of the bonds that reach their strength nearly together."""
         return np.flatnonzero(margin <= margin.min() + DUE_TOGETHER * self.near)
 
     def _break(self, state: State, due: IntArray) -> Solved[State]:
-        """Break bonds, and those that this overloads, at the same displacement."""
+        """Break the bonds that are ``due``, and those that are then overloaded, at the same
+        displacement."""
         new, report = self.remainder(self.broken(state, due), 0.0)
         return (new if report.converged else state), replace(report, reached=0.0)
 
     def remainder(self, state: State, share: float) -> Solved[State]:
-        """A step, and further ones from its end while bonds are beyond their strength, the weakest
-        of which break."""
+        """Take a step of a share of the increment.  As long as bonds exceed their strength, break
+        the weakest and take a further step from its end."""
         new, report = self.solve(state, share)
         motion, iterations, passed = report.motion, report.n_iterations, report.path.dynamic_states
         while report.converged and len(due := weakest(new.margin)):
@@ -185,7 +188,8 @@ class BondSteps(Generic[State]):
         return new, replace(report, motion=motion, n_iterations=iterations, path=path)
 
     def again(self, state: State) -> Solved[State]:
-        """A step in time; taken anew without the bonds that break in it, until none does."""
+        """Take a step in time.  It is repeated without the bonds that break in it, until none
+        breaks."""
         begin = self.broken(state, state.due)
         for _ in range(len(state.margin) + 1):
             new, report = self.solve(begin, 1.0)

@@ -1,7 +1,7 @@
 """Which blocks have left the structure for good.
 
-A structure at rest does not depend on them: nothing touches them, and they touch nothing as they
-leave.  An engine takes them out of the balance and continues with the other blocks.
+The structure at rest does not depend on these blocks: nothing carries them, and they touch no other
+block as they leave.  An engine takes them out of the balance, and continues with the other blocks.
 """
 
 from __future__ import annotations
@@ -28,21 +28,22 @@ def departing(
     reaction: Array,
     tied: IntArray | None = None,
 ) -> BoolArray:
-    """Blocks that leave, (n,), of those that are there.
+    """Blocks that leave the structure now, (n,).
 
-    No support carries them, directly or through other blocks, and no other block lies on the
-    straight line along which the loads move them, above the ground; or they are below it already.
+    No support carries them, directly or through other blocks.  In addition, either they are below
+    the ground already, or no other block lies on the straight line along which the loads move them,
+    above the ground.
 
     Parameters
     ----------
     loads
-        Of the blocks that are there; zero, and fixed, for others.
+        Loads on the blocks; blocks that have left before are fixed in them.
     pose
-        (n, n_dof) m, rad.
+        (n, n_pose) m, rad.
     pairs, slots, reaction
         Contacts in these poses, with normal reactions [N] in column 0 of ``reaction``.
     tied
-        (n_ties, 2) bodies that whole ties join.
+        (n_ties, 2) bodies that intact ties join.
     """
     part = np.empty(len(pose), np.int64)
     fixed = problem.assembly.fixed | problem.assembly.restrained.any(axis=1)
@@ -57,7 +58,7 @@ def departing(
     force = translations(loads.dead + multiplier * loads.pattern)
     leaving = loose.copy()
     blocked = True
-    while blocked:  # by blocks that seemed to leave themselves
+    while blocked:  # a block that stays may block others that seemed to leave
         blocked = False
         for number in np.unique(part[leaving]):
             members = part == number
@@ -73,7 +74,8 @@ def departing(
 def _way_is_clear(
     detector: Detector, pose: Array, members: BoolArray, rest: BoolArray, force: Array
 ) -> bool:
-    """Whether bodies that move along a force touch no other body, judged by boxes along it."""
+    """Whether the bodies ``members`` (n,), moving along a ``force`` (dim,), meet none of the bodies
+    ``rest`` (n,); judged by bounding boxes along the force."""
     length = float(np.linalg.norm(force))
     if length == 0.0:
         return False

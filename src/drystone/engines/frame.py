@@ -1,13 +1,13 @@
-"""The structure's own coordinates and units, in which neither place nor unit of a drawing matters.
+"""The structure's own coordinates and units, which do not depend on the drawing's place and unit.
 
 Coordinates are doubles: 10,000 km from the origin only some eight decimals of a metre are left, and
-differences of places are known to them alone.  Engines have tolerances in metres, seconds and
-newtons.  So they are given the structure where its own lower corner is the origin, its smallest
-block as large as the published walls' and its heaviest material as heavy as theirs.  Gravity is
-kept, so that times go with the square root of lengths.
+differences of places are no more precise.  Engines have tolerances in metres, seconds and newtons.
+So engines are given the structure in its own frame.  The origin is the lower corner of the
+structure.  The smallest block is as large, and the heaviest material as heavy, as those of the
+published walls.  Gravity stays the same, so that times scale with the square root of lengths.
 
-Coordinates that were typed are restored exactly: a double stands for the decimal number, with as
-many decimals as it can have there, that lies within its rounding.
+Decimal coordinates of the drawing are restored exactly.  A double is replaced by the decimal number
+within its rounding, if there is one with few enough decimals.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from drystone.model.joint_law import JointLaw
 from drystone.model.monitor import ControlPoint
 from drystone.model.ties import TieState
 
-#: Significant digits that are kept of a quotient: what it has of its own, less its rounding.
+#: Significant digits of a quotient that are kept; further digits are rounding.
 DIGITS = 13
 
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """What takes an assembly to its own coordinates and units, and results back."""
+    """Converts an assembly to its own coordinates and units, and results back."""
 
     origin: Array  # (dim,) m, lower corner of the box around all blocks
     place_noise: float  # m, rounding of the drawing's coordinates
@@ -43,7 +43,7 @@ class Frame:
 
     @classmethod
     def of(cls, assembly: Assembly, *, scaled: bool = True) -> Frame:
-        """Of an assembly; without ``scaled`` the units stay and only the origin changes."""
+        """The frame of an assembly.  Without ``scaled``, only the origin changes, not the units."""
         vertices = np.vstack([block.vertices for block in assembly.blocks])
         noise = float(np.spacing(np.abs(vertices).max()))
         origin = vertices.min(axis=0)
@@ -62,7 +62,7 @@ class Frame:
 
     @property
     def size(self) -> float:
-        """`Assembly.smallest_extent` [m], where units are scaled."""
+        """`Assembly.smallest_extent` [m]; only if units are scaled."""
         return plain(FRAME_SIZE * self.length)
 
     @property
@@ -87,13 +87,14 @@ class Frame:
 
     @staticmethod
     def order(own: Assembly, control: ControlPoint) -> IntArray:
-        """Rows of the blocks by their place, (n,), of an assembly in own coordinates.
+        """Rows of the blocks, (n,), ordered by their place, for an assembly in own coordinates.
 
-        Sums have the roundings of their order, and where blocks slide or jump a rounding decides
-        their direction.  Neither the order in which a drawing lists its blocks nor its rotation in
-        space is a property of the structure.  So blocks are ordered by their height, then along the
-        control displacement, then from the left to the right of it.  Where that displacement is
-        vertical, their distance from the control point decides, and last their coordinates.
+        The rounding of a sum depends on the order of its terms, and if blocks slide or jump,
+        rounding may decide their direction.  The result should depend neither on the order in which
+        a drawing lists its blocks, nor on the orientation of the drawing.  So blocks are ordered by
+        their height, then along the control displacement, then from its left to its right.  If the
+        control displacement is vertical, the distance from the control point decides; last come the
+        coordinates.
         """
         up, forward = own.up, control.direction
         keys = [own.centroid @ up, own.centroid @ forward]
@@ -126,8 +127,8 @@ class Frame:
         )
 
     def _law(self, law: JointLaw) -> JointLaw:
-        """A joint law in own units: stiffness times length and strength are pressures, as is weight
-        times length."""
+        """A joint law in own units.  The unit of strength is unit weight times length, that of
+        stiffness (Pa/m) is unit weight."""
         strength = self.unit_weight * self.length
         units = {
             "Pa/m": self.unit_weight,
@@ -155,7 +156,7 @@ class Frame:
         return plain(drawn * self.length / self.force)
 
     def ties_of(self, own: TieState) -> TieState:
-        """Forces of ties in newtons, elongations in metres."""
+        """The state of ties with forces in newtons and elongations in metres."""
         return changed(
             own,
             plastic=self.length * own.plastic,
@@ -176,7 +177,7 @@ class Frame:
         return plain(drawn / self.unit_weight)
 
     def pose_of(self, own: Array) -> Array:
-        """Poses (n, n_dof) in metres."""
+        """Poses (n, n_pose) in metres."""
         pose = own.copy()
         pose[:, : len(self.origin)] *= self.length
         return pose
@@ -194,7 +195,7 @@ class Frame:
 
 
 def _ranks(values: Array) -> IntArray:
-    """Ranks of lengths in own units (n,); those nearer than `SAME_PLACE` share one."""
+    """Ranks (n,) of lengths (n,) in own units; neighbours nearer than `SAME_PLACE` share a rank."""
     order = np.argsort(values, kind="stable")
     ranks = np.empty(len(values), np.int64)
     ranks[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > SAME_PLACE)
@@ -202,10 +203,10 @@ def _ranks(values: Array) -> IntArray:
 
 
 def typed(values: Array, noise: float) -> Array:
-    """Values that are decimals but for a rounding of ``noise`` as those; others as they are.
+    """Replace values that are decimal numbers but for a rounding of ``noise`` by these numbers.
 
-    The decimals are those of ten to a hundred times the noise, so that a value that no one typed
-    changes by no more than its rounding.
+    The last decimal place is ten to a hundred times the noise.  A value that is not such a number
+    is kept, so that no value changes by more than its rounding.
     """
     decimals = math.floor(-math.log10(noise)) - 1
     rounded = np.round(values, decimals)
@@ -213,5 +214,5 @@ def typed(values: Array, noise: float) -> Array:
 
 
 def plain(value: float) -> float:
-    """A quotient or product without its rounding."""
+    """A quotient or product rounded to `DIGITS` significant digits."""
     return float(f"{value:.{DIGITS - 1}e}")

@@ -1,6 +1,7 @@
-"""An engine that works in the structure's own coordinates and units, seen from outside.
+"""A wrapper around an engine that works in the structure's own coordinates and units.
 
-Problems are taken to the frame, results back to the coordinates, units and order of the drawing.
+Problems are converted to the frame of the structure.  Results are converted back to the
+coordinates, units and order of blocks of the drawing.
 """
 
 from __future__ import annotations
@@ -21,44 +22,44 @@ from drystone.model.ties import TieState
 
 
 def framed(engine: Engine[Any]) -> Engine[Any]:
-    """The engine within the structure's own frame, where it asks for that."""
+    """The engine, wrapped if its capabilities say that it works in the structure's own frame."""
     return FramedEngine(engine) if engine.capabilities.in_own_frame else engine
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Placed(Derived):
-    """Where a problem is taken to, made once from it."""
+    """The frame of a problem and the order of its blocks there, made once from the problem."""
 
     frame: Frame
-    #: Rows outside of the rows within, and the other way round; None where they are the same.
+    #: For each row within, the row outside; and the reverse.  None if the order is the same.
     order: IntArray | None
     rank: IntArray | None
     rotates: bool  # whether supports rotate in place of the load
 
     @property
     def motion_unit(self) -> float:
-        """Unit of the supports' motion [m]; 1 where they rotate."""
+        """Unit of the supports' motion [m]; 1 if they rotate."""
         return 1.0 if self.rotates else self.frame.length
 
 
 @dataclass(frozen=True, kw_only=True)
 class FramedState:
-    """A state of the engine within, and its poses as they are outside."""
+    """A state of the engine within, and its poses outside."""
 
     placed: Placed
     own: Any  # state of the engine within
-    pose: Array  # (n, n_dof) m, rad
-    departed: BoolArray | None = None  # (n,) blocks that have left, of engines that tell
+    pose: Array  # (n, n_pose) m, rad
+    departed: BoolArray | None = None  # (n,) blocks that have left; None if the engine tells none
 
 
 class FramedEngine(Engine[FramedState]):
-    """See the module's text; the contract is that of `engines.base.Engine`."""
+    """The wrapper of the module's text.  Its contract is that of `engines.base.Engine`."""
 
     def __init__(self, engine: Engine[Any]) -> None:
         self.engine = engine
         self.name = engine.name
         self.capabilities = replace(engine.capabilities, in_own_frame=False)
-        #: An assembly, its frame and the assembly within, last asked for.
+        #: The last assembly converted: the assembly, its frame, and the assembly within.
         self.seen: tuple[Assembly, Frame, Assembly] | None = None
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
@@ -73,7 +74,7 @@ class FramedEngine(Engine[FramedState]):
         """See `Engine.start`."""
         placed, within = self._placed(problem)
         own, report = self.engine.start(within)
-        self.notes = self.engine.notes  # which it may have found only now
+        self.notes = self.engine.notes  # `start` may have changed them
         return self._state(placed, own), self._report(placed, report)
 
     def derived(self, problem: Problem) -> tuple[Derived, ...]:
@@ -82,7 +83,7 @@ class FramedEngine(Engine[FramedState]):
         return (placed, *self.engine.derived(within))
 
     def _placed(self, problem: Problem) -> tuple[Placed, Problem]:
-        """Where a problem is taken to, and the problem within."""
+        """The frame and order for a problem, and the problem within."""
         frame, assembly = self._own(problem.assembly)
         control = frame.control_point(problem.control_point)
         order, rank = frame.order(assembly, control), None
@@ -147,7 +148,7 @@ class FramedEngine(Engine[FramedState]):
         self.engine.close()
 
     def _own(self, assembly: Assembly) -> tuple[Frame, Assembly]:
-        """The frame of an assembly and the assembly in it, made once for one and the same."""
+        """The frame of an assembly, and the assembly in it; kept for the next call."""
         if self.seen is None or self.seen[0] is not assembly:
             frame = Frame.of(assembly)
             own = frame.assembly(assembly)
@@ -162,7 +163,7 @@ class FramedEngine(Engine[FramedState]):
 
     def _report(self, placed: Placed, own: StepReport) -> StepReport:
         length = placed.frame.length
-        lever = length if placed.rotates else 1.0  # of a rotation the reaction is a moment
+        lever = length if placed.rotates else 1.0  # if supports rotate, the reaction is a moment
         way = tuple(
             (self._state(placed, state), self._report(placed, report))
             for state, report in own.path.dynamic_states

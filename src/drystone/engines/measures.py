@@ -1,4 +1,4 @@
-"""What every engine reports of a step, computed in one place from poses, forces and contacts."""
+"""The report of a step, calculated for all engines in one place from poses, forces and contacts."""
 
 from __future__ import annotations
 
@@ -23,39 +23,40 @@ class StepOutcome:
     """A solved step, in arrays over all bodies and slots."""
 
     multiplier: float  # applied
-    pose: Array  # (n, n_dof) at the end
+    pose: Array  # (n, n_pose) m, rad, at the end
     increment: Array  # (n, n_dof) m, rad
     acceleration: Array  # (n, n_dof) m/s2, rad/s2
     velocity: Array  # (n, n_dof) m/s, rad/s, at the end
     contact_force: Array  # (n, n_dof) N, N m, of all contacts, on fixed bodies too
     slots: Slots  # contacts in the poses at the end
-    status: IntArray  # (n_slots,)
+    status: IntArray  # (n_slots,) see `contact.forces`
     certificate: Certificate
-    motion: float  # m, of the fastest block
+    motion: float  # m, of the block that moved farthest
     n_iterations: int
     support_motion: float = 0.0  # m or rad, by which supports have moved
-    #: J, by how much the work of friction changes with the load, at multiplier one, with the
-    #: inertia forces as a load, and with what ``turned`` is of; zeros of engines without inertia.
+    #: Changes of the work of friction [J] by three additional loads: the load pattern at multiplier
+    #: one; the inertia forces; and the changes of forces that ``turned`` refers to.  Zeros for
+    #: engines without inertia.
     friction: Sequence[float] = (0.0, 0.0, 0.0)
-    #: J, work of what forces change by as they turn with the bodies, from where the step found its
-    #: balance to its end; zero where both are one.
+    #: Forces turn with the bodies, from where the step balanced them to its end.  This is the work
+    #: of their changes [J]; zero if the step balances forces at its end.
     turned: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoadArrays:
-    """Loads and masses of a problem as arrays, (n, n_dof); zero on what is fixed.
+    """Loads and masses of a problem as arrays, (n, n_dof) unless said otherwise.
 
-    Those of the design and of multiplier zero, or of where they were asked for, see `near`.
+    They are those in the design at multiplier zero, or in another pose, see `near`.
     """
 
-    dead: Array  # N, N m
-    pattern: Array  # N, N m, by which the load grows with the multiplier
-    mass: Array  # kg, kg m2
-    total: float  # N, sum of the pattern along that
-    along: Array  # (dim,) that it leads along; zeros where its sum is none
+    dead: Array  # N, N m, dead load
+    pattern: Array  # N, N m, load pattern: derivative of the load by the multiplier
+    mass: Array  # kg, kg m2; zero for fixed blocks
+    total: float  # N, sum of the load pattern in the direction ``along``
+    along: Array  # (dim,) direction of the sum of the load pattern; zeros if the sum is zero
     fixed: BoolArray  # (n,) supports, and blocks that have left
-    acting: Acting  # what they are arrays of
+    acting: Acting  # the loads that these arrays represent
 
     @classmethod
     def of(
@@ -64,8 +65,8 @@ class LoadArrays:
         departed: BoolArray | None = None,
         stage: int | None = None,
     ) -> LoadArrays:
-        """Those of a problem, without the blocks that are ``departed`` (n,); of the dead loads
-        those up to a ``stage``."""
+        """The loads of a problem, without blocks that are ``departed`` (n,), with the dead loads up
+        to a ``stage`` (None: all)."""
         assembly = problem.assembly
         fixed = assembly.fixed if departed is None else assembly.fixed | departed
         acting = Acting.of(
@@ -88,7 +89,7 @@ class LoadArrays:
         )
 
     def near(self, pose: Array, multiplier: float) -> LoadArrays:
-        """The same in a pose (n, n_pose), near a multiplier; see `Acting.near`."""
+        """The loads in a pose (n, n_pose), linearised at a multiplier; see `Acting.near`."""
         if self.acting.steady:
             return self
         dead, pattern = self.acting.near(pose, multiplier)
@@ -98,7 +99,7 @@ class LoadArrays:
         return replace(self, dead=dead, pattern=pattern, total=total)
 
     def scaled(self, share: float, before: LoadArrays | None) -> LoadArrays:
-        """With a share of the dead load, or of its change from what it was ``before``."""
+        """The loads with a share of the dead load, or of its change from the loads ``before``."""
         if before is None:
             return replace(self, dead=share * self.dead, acting=self.acting.scaled(share))
         dead = (1.0 - share) * before.dead + share * self.dead
@@ -106,7 +107,7 @@ class LoadArrays:
 
 
 def not_crushed(slots: Slots, history: Array) -> Slots:
-    """Contacts with gaps less what has crushed them, which is no penetration.
+    """A copy of the slots whose gaps do not contain closure by crushing, which is no penetration.
 
     ``history`` (n_slots, N_HISTORY or more), see `law.columns`.
     """
@@ -116,9 +117,9 @@ def not_crushed(slots: Slots, history: Array) -> Slots:
 
 
 def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepReport:
-    """The figures of a converged step; see `CurvePoint` for their meaning.
+    """The report of a converged step; see `CurvePoint` for the meaning of its figures.
 
-    ``loads`` are those near where it ended.
+    ``loads`` are those in the poses at the end of the step.
     """
     assembly, multiplier, slots = problem.assembly, outcome.multiplier, outcome.slots
     mass = np.where(assembly.restrained, 0.0, loads.mass) if assembly.on_rollers else loads.mass
@@ -127,20 +128,20 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         outcome.certificate.touched, loads.dead, loads.pattern, mass, loads.fixed,
         loads.along, multiplier,
     )  # fmt: skip
-    if assembly.on_rollers:  # what seems to be their inertia is what rollers carry
+    if assembly.on_rollers:  # the inertia of restrained motions is the reaction of the rollers
         borne = np.where(assembly.restrained, loads.mass * outcome.acceleration, 0.0)
         carried += float((borne[:, : len(loads.along)] @ loads.along).sum())
     counts = np.zeros(3, np.int64)
     penetration = kernels.count_contacts(slots, outcome.status, counts)
     n_open, n_sticking, n_sliding = counts.tolist()  # OPEN, STICKING, SLIDING
-    # By how much the applied multiplier exceeds the static one, from the step's virtual work: on
-    # its own motion x the structure would rest under lambda_s with F.x lambda_s = F.x lambda -
-    # x.M a.  Blocks without a contact obey this whatever the multiplier, and say nothing of it.
-    # Without motion along the load there is nothing to tell the two multipliers apart.
-    # At rest the load is F (lambda - lambda_s) less, and M a more, than it was in the step.  With
-    # it friction changes by its work r_F of one F and r_a of M a, so that
-    # (F.x + r_F) (lambda - lambda_s) = x.M a + r_a.  Where r_F takes all of F.x, joints jam.
-    # Forces that turn with the bodies by R up to the step's end are so much more of a load there.
+    # Virtual work on the step's own motion x gives the static multiplier lambda_s from the applied
+    # one, lambda: F.x lambda_s = F.x lambda - x.M a, with the load pattern F.
+    # Blocks without a contact fulfil this at any multiplier, so they are left out.  Without motion
+    # along the load, the two multipliers cannot be told apart.
+    # At rest, the load is smaller by F (lambda - lambda_s), and larger by M a, than in the step.
+    # Friction changes with it: its work by r_F for a load F, by r_a for a load M a.  So
+    # (F.x + r_F) (lambda - lambda_s) = x.M a + r_a.  If r_F cancels F.x, joints jam.
+    # Forces that turn with the bodies have changed at the step's end, as if by a further load.
     least = ACROSS_THE_LOAD * strokes
     of_load, of_inertia, of_turned = _friction_of(outcome, push, least)
     push, resistance, turned = push + of_load, resistance + of_inertia, outcome.turned + of_turned
@@ -172,29 +173,31 @@ def report(problem: Problem, loads: LoadArrays, outcome: StepOutcome) -> StepRep
         n_sliding=n_sliding,
         motion=outcome.motion,
         n_iterations=outcome.n_iterations,
-        # A load on nothing but blocks in flight is borne by nothing.
+        # It also ends in motion if the load acts only on blocks without a contact.
         dynamic=fastest > ACCELERATION_LIMIT * GRAVITY or (strokes == 0.0 and free > 0.0),
     )
 
 
 def _friction_of(outcome: StepOutcome, push: float, least: float) -> Sequence[float]:
-    """The work of friction of a step, see `StepOutcome.friction`; zeros where joints jam."""
+    """The changes of the work of friction, see `StepOutcome.friction`; zeros if joints jam."""
     of_load = outcome.friction[0]
     jams = (push + of_load) * push <= 0.0 or abs(push + of_load) <= least
     return (0.0, 0.0, 0.0) if jams else outcome.friction
 
 
 def _carried(reaction: float, loads: LoadArrays, multiplier: float, excess: float) -> float:
-    """The multiplier that supports carry.
+    """The carried multiplier.
 
-    Of a pattern without a resultant they tell nothing: virtual work says what is carried, and of a
-    structure from rest never more than it is pushed with.
+    If the load pattern has no resultant, the reaction of the supports tells nothing.  Then the
+    multiplier follows from virtual work; it never exceeds the applied one, because the structure
+    starts from rest.
     """
     return reaction / loads.total if loads.along.any() else multiplier - max(excess, 0.0)
 
 
 def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> str:
-    """Which blocks move under what acts in a stage, or in all, the farthest first."""
+    """The message that blocks move under the dead loads of a stage, or of all; it names the blocks
+    that move farthest.  ``motion`` (n,) [m]."""
     ids, weight = problem.assembly.ids, dead_words(problem.dead_loads, stage)
     if not motion.any():
         return f"no equilibrium under the structure's {weight} was found"

@@ -1,4 +1,4 @@
-"""What an engine of ours makes of a problem once, when it starts, and passes with its states."""
+"""The data that our engines derive from a problem once, when they start; states refer to it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from drystone.model.ties import Bars
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared(Derived):
-    """A problem with what is derived from it."""
+    """A problem with the data derived from it."""
 
     problem: Problem
     detector: Detector
@@ -34,7 +34,7 @@ class Prepared(Derived):
 
     @classmethod
     def of(cls, problem: Problem, engine: Engine[Any], *, shear: bool = True) -> Self:
-        """That of a problem; raises `EngineError` for what the engine has not.
+        """Prepare a problem; raises `EngineError` if the engine cannot treat it.
 
         Without ``shear``, joints need no stiffness in shear.
         """
@@ -54,17 +54,17 @@ class Prepared(Derived):
 
     @property
     def assembly(self) -> Assembly:
-        """Of the problem."""
+        """The assembly of the problem."""
         return self.problem.assembly
 
     @cached_property
     def extent(self) -> Array:
-        """Of each block about its centroid [m], (n,), and never zero."""
+        """Largest distance of a vertex from the centroid of each block [m], (n,), never zero."""
         return np.maximum(self.detector.extent, TINY)
 
     @cached_property
     def strengths(self) -> Strengths:
-        """Of joints that soften or crush."""
+        """The strengths of joints that soften or crush."""
         return Strengths(self.assembly)
 
     @cached_property
@@ -78,7 +78,8 @@ class Prepared(Derived):
 
     @cached_property
     def movable_weight(self) -> Array:
-        """Of each block [N], (n,), by which forces on it are measured; infinite for supports."""
+        """Weight of each block [N], (n,), by which forces on it are measured; infinite for
+        supports."""
         return np.where(self.assembly.fixed, np.inf, self.assembly.weight)
 
     @cached_property
@@ -88,8 +89,8 @@ class Prepared(Derived):
 
     @cached_property
     def dilates_until(self) -> Array:
-        """Slip [m] at which joints of each law stop to dilate, (n_laws,); infinite where nobody
-        says so: what stops them in the end is beyond all that slides."""
+        """Slip [m] at which joints of each law stop dilating, (n_laws,); infinite if the model
+        gives none, because the default end is never reached."""
         laws = self.assembly.laws
         given = [law.dilatancy_angle > 0.0 and law.dilatancy_end < np.inf for law in laws]
         return np.where(given, self.laws[:, DILATANCY_END], np.inf)

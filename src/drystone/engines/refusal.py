@@ -1,4 +1,5 @@
-"""What of a problem an engine cannot do, told before it starts, and which engines can."""
+"""Checks before an engine starts: which parts of a problem it cannot treat, and which engines
+can."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from drystone.model.joint_law import Yielding
 
 
 def refuse(problem: Problem, engine: Engine[Any]) -> None:
-    """Raise `EngineError` for rollers, ties or joints that an engine has not."""
+    """Raise `EngineError` for rollers, ties or joints that an engine cannot treat."""
     assembly, can = problem.assembly, engine.capabilities
     if assembly.on_rollers and not can.rollers:
         raise EngineError(f"the {engine.name} engine has no rollers: {others(_has_rollers)}")
@@ -23,7 +24,8 @@ def refuse(problem: Problem, engine: Engine[Any]) -> None:
 
 
 def refuse_joints(assembly: Assembly, engine: Engine[Any]) -> None:
-    """Raise `EngineError` for joints that an engine has not, and name those that have them."""
+    """Raise `EngineError` for joints that an engine cannot treat; the message names engines that
+    can."""
     can = engine.capabilities
     for part in Yielding:
         if part not in can.yielding and any(map(part.of, assembly.laws)):
@@ -41,7 +43,7 @@ def refuse_joints(assembly: Assembly, engine: Engine[Any]) -> None:
 
 
 def others(can: Callable[[Capabilities], bool]) -> str:
-    """ "take the ... engine", of those of ours that can."""
+    """The advice "take the ... engine", with those of our own engines that can."""
     names = [f"the {name}" for name in able(can)]
     if not names:
         return "no engine has them"

@@ -1,13 +1,14 @@
-"""Ties within the equations of implicit steps: their forces on the bodies, and the stiffness.
+"""Ties in the equations of implicit steps: their forces on the bodies, and their stiffness.
 
-The elongation of a tie has the gradient **h** by the motions of its two bodies; its force -N **h**
-on them has, of minus itself, the stiffness
+The elongation of a tie has the gradient **h** by the motions of its two bodies.  The tie exerts the
+force -N **h** on them.  Its stiffness, the derivative of minus this force, is
 
     k h h^T + (N / l) (J^T J - h h^T) + turning
 
-with **J** the motion of b's point seen from a's.  The second part is from the rotation of the tie's
-direction, the third from the rotation of the arms.  Yielding counts over the whole of a step, as in
-`model.tie_kernels` with the plastic elongation at its start.
+with the tangent stiffness k, the force N and the length l of the tie, and the derivative **J** of
+the vector between its two points by the motions of the bodies.  The second part comes from the
+rotation of the tie, the third part from the rotation of the arms.  Yielding counts over the whole
+step, as in `model.tie_kernels` with the plastic elongation at the start of the step.
 """
 
 from __future__ import annotations
@@ -26,35 +27,34 @@ from drystone.model.ties import BROKEN, Bars, TieState
 
 
 class TieForces:
-    """Ties of a structure from the state where a step begins, without those of bodies that have
-    ``departed`` (n,)."""
+    """Ties of a structure in a step, without those of bodies that have ``departed`` (n,)."""
 
     def __init__(self, bars: Bars, assembly: Assembly, departed: BoolArray) -> None:
         self.bars, self.assembly = bars, assembly
         self.there = ~departed[bars.body].any(axis=1)
-        #: As kernels take them, and change them.
+        #: Arrays that kernels read and change.
         self.arrays = bars.at_rest(assembly)
         self.body, self.value, self.now = self.arrays
         self.axes = np.ascontiguousarray(assembly.axes)
 
     def begin(self, state: TieState) -> None:
-        """Start from a state."""
+        """Begin a step from a state of the ties."""
         self.before = state
         self.value[:, kernel.PLASTIC] = state.plastic
         self.value[:, kernel.ACTIVE] = self.there & (state.branch != BROKEN)
 
     def lose(self, departed: BoolArray) -> None:
-        """Take out the ties of bodies (n,) that have left."""
+        """Take out the ties of bodies that have ``departed`` (n,)."""
         self.there = ~departed[self.body].any(axis=1)
         self.value[~self.there, kernel.ACTIVE] = 0.0
 
     def act(self, pose: Array) -> None:
-        """Go to poses (n, n_pose)."""
+        """Evaluate the ties in poses (n, n_pose)."""
         kernel.locate(self.body, self.value, pose, self.now)
         self.rotate(pose)
 
     def rotate(self, pose: Array) -> None:
-        """Count moments about the principal axes in poses (n, n_pose)."""
+        """Use the principal axes in poses (n, n_pose), about which moments are counted."""
         if len(self.body) and self.assembly.dimension == 3:
             self.axes = np.ascontiguousarray(principal_axes(self.assembly, pose))
 
@@ -63,7 +63,8 @@ class TieForces:
         kernel.add_forces(self.body, self.now, self.axes, force)
 
     def _points(self) -> Array:
-        """J: motion of b's point seen from a's by that of the bodies, (n_ties, dim, 2 n_dof)."""
+        """J, (n_ties, dim, 2 n_dof): derivative of the vector from a's point to b's by the motions
+        of the bodies."""
         dim, m = self.assembly.dimension, len(self.body)
         sides = []
         for side, first in ((0, kernel.NOW_A), (1, kernel.NOW_B)):
@@ -78,13 +79,13 @@ class TieForces:
         return np.concatenate((-sides[0], sides[1]), axis=2)
 
     def gradient(self) -> Array:
-        """h, (n_ties, 2 n_dof)."""
+        """h, (n_ties, 2 n_dof): gradient of the elongations by the motions of the bodies."""
         dim = self.assembly.dimension
         along = self.now[:, kernel.ALONG : kernel.ALONG + dim]
         return np.asarray(np.einsum("kd,kdi->ki", along, self._points()))
 
     def stiffness(self) -> Array:
-        """Of minus the forces, (n_ties, 2 n_dof, 2 n_dof)."""
+        """Stiffness, the derivative of minus the forces, (n_ties, 2 n_dof, 2 n_dof)."""
         dim, now = self.assembly.dimension, self.now
         points = self._points()
         along = now[:, kernel.ALONG : kernel.ALONG + dim]
@@ -108,13 +109,13 @@ class TieForces:
         return np.asarray(found)
 
     def marked(self, certificate: Certificate) -> Certificate:
-        """A certificate in which bodies with a tie count as touched."""
+        """A certificate in which bodies on which a tie pulls count as touched."""
         touched = certificate.touched.copy()
         touched[self.body[self.now[:, kernel.FORCE] != 0.0]] = True
         return certificate._replace(touched=touched)
 
     def ended(self, *, yields: bool = True, aged: bool = False) -> TieState:
-        """The state where a step has ended at the last poses; see `Bars.ended`."""
+        """The state of the ties at the end of a step, in the last poses; see `Bars.ended`."""
         return self.bars.ended(self.before, self.value, self.now, yields=yields, aged=aged)
 
     def add_twice(self, blocks: Array) -> None:
@@ -129,8 +130,11 @@ class TieForces:
 
 
 class TieImpulses:
-    """Ties in an implicit step ``h`` [s] of contact dynamics: along the lines that they have where
-    it starts, with the force at its end; ``a`` and ``b`` are bodies of the contacts' pairs."""
+    """Ties in an implicit step of ``h`` [s] of contact dynamics.
+
+    Their directions are those at the start of the step, their forces those at its end.  ``a`` and
+    ``b`` (n_pairs,) are the bodies of the contacts' pairs.
+    """
 
     def __init__(self, ties: TieForces, a: IntArray, b: IntArray, h: float) -> None:
         self.ties, self.h, self.joined = ties, h, JoinedTies.of(ties.body, a, b)
@@ -138,7 +142,7 @@ class TieImpulses:
         self.gradient = ties.gradient()
 
     def act(self, velocity: Array) -> None:
-        """Forces of the ties at velocities (n, n_dof)."""
+        """Evaluate the forces of the ties for velocities (n, n_dof) at the end of the step."""
         ties = self.ties
         both = velocity[ties.body].reshape(len(ties.body), -1)
         rate = np.einsum("ki,ki->k", self.gradient, both)
@@ -147,14 +151,14 @@ class TieImpulses:
             kernel.pull(ties.value, ties.now, k)
 
     def add_to(self, momenta: Array) -> None:
-        """Add the impulses on all bodies to momenta (n, n_dof)."""
+        """Add the impulses of the ties to the momenta (n, n_dof) of the bodies [N s, N m s]."""
         ties, nd = self.ties, momenta.shape[1]
         impulse = -self.h * ties.now[:, kernel.FORCE, None] * self.gradient
         np.add.at(momenta, ties.body[:, 0], impulse[:, :nd])
         np.add.at(momenta, ties.body[:, 1], impulse[:, nd:])
 
     def stiffen(self, tangent: Tangent) -> None:
-        """Add how they go with velocities [kg]."""
+        """Add the derivatives of minus the impulses by the velocities [kg] to ``tangent``."""
         h = self.gradient
         found = (
             self.h**2
@@ -166,21 +170,22 @@ class TieImpulses:
 
 @dataclass(frozen=True, kw_only=True)
 class JoinedTies:
-    """Where the blocks of ties lie in a matrix of bodies and pairs.
+    """The places of the stiffness of ties in a matrix of bodies and pairs.
 
-    Bodies that no contacts join make pairs of their own behind those that there are.
+    Two bodies that no contact joins make a new pair, behind the pairs of the contacts.
     """
 
     body: IntArray  # (n_ties, 2)
-    a: IntArray  # bodies of all pairs, those of contacts first
-    b: IntArray
-    pair: IntArray  # (n_ties,) among all pairs
+    a: IntArray  # (n_pairs,) first bodies of all pairs, those of contacts first
+    b: IntArray  # (n_pairs,) second bodies
+    pair: IntArray  # (n_ties,) pair of each tie
     turned: BoolArray  # (n_ties,) whether the tie's first body is the pair's second
     apart: BoolArray  # (n_ties,) whether its two ends are on different bodies
 
     @classmethod
     def of(cls, body: IntArray, a: IntArray, b: IntArray) -> JoinedTies:
-        """Of ties between bodies (n_ties, 2), with the pairs of contacts."""
+        """Find the pairs of ties between bodies ``body`` (n_ties, 2), beside the pairs of contacts
+        with bodies ``a`` and ``b``."""
         known: dict[tuple[int, int], int] = {}
         first, last = a.tolist(), b.tolist()
         wanted = {tuple(sorted(one)) for one in body.tolist()}
@@ -207,12 +212,12 @@ class JoinedTies:
         )
 
     def clear(self, tangent: Tangent, n_pairs: int) -> None:
-        """Empty the blocks behind those of the contacts' ``n_pairs``."""
+        """Set the blocks of the pairs behind the ``n_pairs`` of the contacts to zero."""
         tangent.upper[n_pairs:] = 0.0
         tangent.lower[n_pairs:] = 0.0
 
     def stiffen(self, tangent: Tangent, found: Array) -> None:
-        """Add stiffnesses (n_ties, 2 n_dof, 2 n_dof)."""
+        """Add the stiffness ``found`` (n_ties, 2 n_dof, 2 n_dof) of the ties to ``tangent``."""
         nd = tangent.diagonal.shape[1]
         np.add.at(tangent.diagonal, self.body[:, 0], found[:, :nd, :nd])
         np.add.at(tangent.diagonal, self.body[:, 1], found[:, nd:, nd:])
