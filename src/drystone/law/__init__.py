@@ -1,1 +1,1 @@
-"""What a joint carries: its law, strengths and bonds, and the certificate of a state."""
+"""The joint law: reactions, strengths and bonds; and the certificate of a state."""

@@ -1,12 +1,13 @@
 """Bonds of brittle joints: how near each is to its strength, and which ones break.
 
-A bond of cohesion c and tensile strength f_t is intact at a contact of area A while
+A bond with cohesion c and tensile strength f_t, at a contact of area A, is intact while
 
     |r_t| <= mu r_n + c A,        r_n >= -f_t A
 
-and is lost at once.  Its margin is the smaller of what is left until then, either over its own
-strength.  A bond that softens has no margin, but one: where slip softens a cohesion and there is no
-tensile strength, no energy is taken by opening.  Such a bond is lost at once where the joint opens.
+Beyond this it breaks at once.  Its margin is the smaller of two distances: to the first limit over
+the cohesion, and to the second limit over the tensile strength.  Bonds that soften have no margin,
+with one exception: if slip softens a cohesion and there is no tensile strength, opening takes no
+energy, so the bond breaks at once when the joint opens.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def brittle(laws: Array) -> bool:
 
 
 def built_open(slots: Slots, size: float) -> BoolArray:
-    """Contacts (n_slots,) that no bond spans, as they are not shut when built.
+    """Contacts (n_slots,) without a bond because the joint is open in the design.
 
     ``size`` [m] is the smallest extent of a block.
     """
@@ -43,9 +44,9 @@ def shear(reaction: Array) -> Array:
 
 
 def margins(judged: JudgedContacts, tears: BoolArray) -> Array:
-    """Margins of contacts, (n_contacts,); infinite where nothing is bonded.
+    """Margins of contacts, (n_contacts,); infinite for contacts without a bond.
 
-    ``tears`` (n_contacts,) are those whose bond slip softens, and opening breaks.
+    ``tears`` (n_contacts,) are the contacts whose bond softens by slip, and breaks by opening.
     """
     normal, tangential, slack = judged.reaction[:, 0], shear(judged.reaction), judged.slack
     bond, tension = judged.strength
@@ -57,7 +58,7 @@ def margins(judged: JudgedContacts, tears: BoolArray) -> Array:
     margin = np.where(bonded, np.minimum(along, across), np.inf)
     table = judged.contacts.table[tears]
     cohesion = table[:, INTERCEPT] * judged.whole[tears]
-    # The pressure goes on where the joint is open.
+    # The pressure is continued linearly into negative values if the joint is open.
     pressure = slack[tears] - table[:, STIFF_N] * judged.gap[tears]
     opens = np.full(len(cohesion), np.inf)
     np.divide(pressure, LEAST_STRENGTH * cohesion, where=cohesion > 0.0, out=opens)
@@ -66,15 +67,15 @@ def margins(judged: JudgedContacts, tears: BoolArray) -> Array:
 
 
 def dilating_margins(slid: Array, until: Array) -> Array:
-    """Of contacts (n,) that have ``slid`` [m] and dilate ``until`` a slip [m]: what is left of it,
-    over all of it; infinite of those that have no such end."""
+    """Margins (n,) to the end of dilatancy, for contacts that have ``slid`` (n,) [m] and dilate
+    ``until`` a slip (n,) [m]: the slip that is left over the whole; infinite if there is no end."""
     left = np.full(len(slid), np.inf)
     np.divide(until - slid, until, where=np.isfinite(until), out=left)
     return left
 
 
 def weakest(margin: Array) -> IntArray:
-    """The bonds that break: those most beyond their strength, if any is."""
+    """Rows of the bonds that break: those that exceed their strength most, if any does."""
     worst = margin.min(initial=np.inf)
     if worst >= -BOND_TIE:
         return np.zeros(0, np.int64)
@@ -82,10 +83,10 @@ def weakest(margin: Array) -> IntArray:
 
 
 def crossing(first: float, before: Array, second: float, after: Array, aim: float) -> float:
-    """Share of a step at which the first bond comes down to the margin ``aim``; or infinity.
+    """Share of a step at which the first bond reaches the margin ``aim``; infinity if none does.
 
-    ``before`` and ``after`` are margins of the same contacts at the shares ``first`` and
-    ``second``; straight lines through them are followed, also beyond.
+    ``before`` and ``after`` (n,) are margins of the same contacts at the shares ``first`` and
+    ``second`` of the step.  They are interpolated and extrapolated linearly.
     """
     falling = np.isfinite(before) & (after < before)
     drop = before[falling] - after[falling]

@@ -1,8 +1,7 @@
-"""The one residual that judges every engine: what a step leaves of its equations, in newtons.
+"""The residual that judges the steps of all engines: the error of a step's equations, in newtons.
 
-An engine hands over what it found, in the terms of its formulation: the forces on the blocks, the
-contacts' gaps, slips and reactions, and what their joints still have of strength.  How it came by
-them does not matter here.
+An engine passes its result: the forces on the blocks, the gaps, slips and reactions of the
+contacts, and the remaining strengths of their joints.  How it found them does not matter here.
 """
 
 from __future__ import annotations
@@ -21,15 +20,16 @@ from drystone.law.violation import joint_law_violation
 
 
 class JudgedContacts(NamedTuple):
-    """Contacts of a step as its formulation has them; see `law.return_map` for their law."""
+    """Contacts at the end of a step, as the formulation of an engine has them; see `law.return_map`
+    for their law."""
 
-    contacts: Contacts  # bodies, stiffnesses, friction and strengths, (n_contacts,)
+    contacts: Contacts  # bodies, stiffness, friction and strengths, (n_contacts,)
     gap: Array  # (n_contacts,) m, at the end of the step, less dilation
-    slip: Array  # (n_contacts, dim - 1) m, since the shear before; zero where it has entered that
+    slip: Array  # (n_contacts, dim - 1) m, in the step; zero if ``shear_before`` contains it
     reaction: Array  # (n_contacts, dim) N
-    shear_before: Array  # (n_contacts, dim - 1) N
-    whole: Array  # (n_contacts,) 1 where a bond has not broken, else 0
-    slack: Array  # (n_contacts,) N, how well reactions are known: no bond breaks for less
+    shear_before: Array  # (n_contacts, dim - 1) N, at the start, or trial shear if slip is zero
+    whole: Array  # (n_contacts,) 1 if a bond has not broken, else 0
+    slack: Array  # (n_contacts,) N, accuracy of reactions: a smaller excess breaks no bond
 
     @classmethod
     def with_history(
@@ -41,7 +41,8 @@ class JudgedContacts(NamedTuple):
         shear_before: Array,
         slack: Array | None = None,
     ) -> JudgedContacts:
-        """Of joints with a past (n_contacts, N_HISTORY), whose slips have entered the shear."""
+        """Contacts with a ``history`` (n_contacts, N_HISTORY or more), whose ``shear_before`` is
+        the trial shear, which contains the slip."""
         return cls(
             contacts=contacts,
             gap=gap - history[:, DILATION],
@@ -56,10 +57,10 @@ class JudgedContacts(NamedTuple):
     def of_impulses(
         cls, contacts: Contacts, gap: Array, velocity: Array, reaction: Array, h: float
     ) -> JudgedContacts:
-        """Of a step of size ``h`` [s] that ends with a velocity (n, n_dof).
+        """Contacts of a step of ``h`` [s] that ends with a velocity (n, n_dof).
 
-        Gaps are mapped from where it starts, and friction has no shear stiffness but that of the
-        natural map, which is in ``contacts``.
+        Gaps are extrapolated from those at the start.  Friction has no shear stiffness; that in
+        ``contacts`` is the one of the natural map, see `law.violation`.
         """
         relative = np.zeros_like(reaction)
         contact_velocities(dof_of(velocity), contacts, velocity, relative)
@@ -75,34 +76,34 @@ class JudgedContacts(NamedTuple):
 
     @property
     def strength(self) -> tuple[Array, Array]:
-        """Cohesion and tensile strength [N] that contacts still have, (n_contacts,) each."""
+        """Remaining cohesion and tensile strength [N] of the contacts, (n_contacts,) each."""
         table = self.contacts.table
         return table[:, BOND] * self.whole, table[:, TENSILE] * self.whole
 
 
 class Forces(NamedTuple):
-    """What acts on the blocks at the end of a step, (n, n_dof) [N, N m] each."""
+    """Forces on the blocks at the end of a step, (n, n_dof) [N, N m] each."""
 
     contact: Array  # of all contacts, on supports too
-    load: Array  # dead load, pattern and whatever else the formulation adds
+    load: Array  # dead load, load pattern, and other forces of the formulation
     inertia: Array  # mass times acceleration
 
 
 class Certificate(NamedTuple):
-    """How far a step is from its equations [N], and which blocks a contact acts on.
+    """The errors of a step's equations [N], and the blocks on which contacts act.
 
-    NaN where something is not a number.
+    The errors are NaN if a force is NaN.
     """
 
     balance: float  # largest unbalanced force, or moment over block size
-    normal: float  # largest distance of a normal reaction from the law's
-    tangential: float  # and of a tangential one
+    normal: float  # largest difference of a normal reaction from that of the joint law
+    tangential: float  # largest difference of a tangential reaction
     cone: float  # largest excess over friction and cohesion
     touched: BoolArray  # (n,)
 
     @property
     def residual(self) -> float:
-        """The largest of the three [N]."""
+        """The largest of `balance`, `normal` and `tangential` [N]."""
         parts = self.balance, self.normal, self.tangential
         return math.nan if any(map(math.isnan, parts)) else max(parts)
 
@@ -115,7 +116,7 @@ def certify(
     Parameters
     ----------
     contacts, forces
-        What was found.
+        Result of the step.
     extent
         (n,) m, by which moments are divided.
     fixed

@@ -1,4 +1,4 @@
-"""The joint law of contacts, smoothed by a barrier: what interior-point methods need.
+"""The joint law of contacts, smoothed by a barrier, for interior-point methods.
 
 Static steps (`statics.interior`) and implicit steps in time (`dynamics.space.interior`) use it.
 
@@ -7,19 +7,21 @@ With the trial reactions T of a contact, its stiffnesses k_n, k_s and a barrier 
     r_n = T_n + w + c zeta,    r_n w = k_n e,
     r_t = T_t - z,             (mu r_n, r_t) o (zeta, -z) = (2 k_s e, 0),
 
-where (a, b) o (c, d) = (a c + b.d, a d + c b) and both pairs lie within the cone of second order.
-Without a barrier this is the joint law of `law.return_map`: zeta is |z|, k_s times the length slid,
-and lifts the joint by dilatancy alone, c = k_n tan psi / k_s.  A contact with an intact bond is
-linear, r = T.  Changes are scaled as by Nesterov and Todd.
+where (a, b) o (c, d) = (a c + b.d, a d + c b), and both pairs lie within the cone of second order.
+Here w is the slack of the normal reaction, and zeta and z are k_s times the length and vector of
+the slip.  Without a barrier this is the joint law of `law.return_map`, with zeta = |z|.  Slip lifts
+the joint by dilatancy only, c = k_n tan psi / k_s.  A contact with an intact bond is linear, r = T.
+Changes are scaled by the method of Nesterov and Todd.
 
-Joints with tensile strength f, with the cohesion intercept k (the shear that they carry without
-pressure) and the crushing strength C (see `law.limits`) are counted from the tension on, r_n' = r_n
-+ f and C' = C + f:
+For joints with tensile strength f, cohesion intercept k (the shear that they carry without
+pressure) and crushing strength C (see `law.limits`), normal reactions are counted from the tension
+on, r_n' = r_n + f and C' = C + f:
 
     r_n' = T_n' + w - v,    r_n' w = k_n e,    (C' - r_n') v = k_n e,    (mu r_n' + k, r_t) o ...
 
-Of steps in time the same is written in impulses: T_n = -h k_n (g + h u_n), T_t = c - P u_t for a
-contact with a penalty spring P centred on c; h^2 k_n and P then stand for the stiffnesses.
+with the slack v of crushing.  For steps in time the same is written in impulses, T_n = -h k_n (g +
+h u_n) and T_t = c - P u_t, for a contact with a penalty spring P centred on c.  Then h^2 k_n and P
+take the place of the stiffness.
 """
 
 from __future__ import annotations
@@ -53,17 +55,19 @@ from drystone.contact.contacts import (
 )
 from drystone.contact.rows import IN_SPACE
 
-#: Columns of a contact's variables, and of their changes: reactions, slacks, slack of crushing and
-#: what is left until then [N; N s].
+#: Columns of a contact's variables, and of their changes: reactions; slack of the normal reaction;
+#: slip times k_s, its length and vector; slack of crushing; distance to the crushing strength
+#: [N; N s].
 PN, P1, P2, W, ZETA, Z1, Z2, V, CAP = range(9)
 N_INNER = 9
 
-#: Columns of a contact's scaling: the factor of the cone's pair and its direction; the response
-#: A = [[nn, n1, n2], [t1, s11, s12], [t2, s12, s22]]; what is lacking, before A; rho.
+#: Columns of a contact's scaling: factor and direction of the scaling of its cones; the response
+#: A = [[nn, n1, n2], [t1, s11, s12], [t2, s12, s22]]; the residual, before multiplication by A; the
+#: residual of the cones' product, scaled back.
 ETA, V0, V1, V2, NN, N1, N2, T1, T2, S11, S12, S22, B0, B1, B2, R0, R1, R2 = range(18)
 N_SCALING = 18
 
-#: Cosine of the angle by which a slip may change its direction in an iteration.
+#: Cosine of the largest angle by which a slip may change its direction in an iteration.
 SLIP_COSINE = 0.5
 
 
@@ -90,11 +94,11 @@ def central_normal(trial, crush, product):
 
 @njit(cache=True, error_model="numpy")
 def central_crushing(trial, crush, product):
-    """Normal variables of a contact that may be crushed, for a product: the reaction, its slack,
-    the slack of crushing and the distance to the crushing strength."""
+    """Normal variables of a contact that may be crushed, for a given product of reaction and slack:
+    the reaction, its slack, the slack of crushing and the distance to the crushing strength."""
     r = central_normal(trial, crush, product)
     slack = product / r
-    if trial > 0.5 * crush:  # what is left is too little to be told from the reaction
+    if trial > 0.5 * crush:  # the distance to crushing is not calculated as a small difference
         beyond = max(trial - r + slack, product / crush)
         return r, slack, beyond, product / beyond
     return r, slack, product / (crush - r), crush - r
@@ -102,7 +106,8 @@ def central_crushing(trial, crush, product):
 
 @njit(cache=True, error_model="numpy")
 def trial_impulses(problem, h, penalty, centre, relative, trial):
-    """Trial impulses (n_contacts, 3) for relative velocities (n_contacts, 3)."""
+    """Fill the trial impulses (n_contacts, 3) [N s] for relative velocities (n_contacts, 3)
+    [m/s]."""
     table, gap = problem.contacts.table, problem.gap
     for c in range(gap.shape[0]):
         trial[c, 0] = -h * table[c, STIFF_N] * (gap[c] + h * relative[c, 0])
@@ -112,7 +117,7 @@ def trial_impulses(problem, h, penalty, centre, relative, trial):
 
 @njit(cache=True, error_model="numpy")
 def _floor(table, inner, c):
-    """Product that a contact's pair keeps where there is no barrier; see `LEAST_DISTANCE`."""
+    """Product of the pairs of a contact that remains without a barrier; see `LEAST_DISTANCE`."""
     square = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
     most = (
         2.0 * LEAST_DISTANCE * table[c, FRICTION] * inner[c, PN]
@@ -123,7 +128,8 @@ def _floor(table, inner, c):
 
 @njit(cache=True, error_model="numpy")
 def _is_central(inner, c, most, beta):
-    """Whether a contact's pair lies well within its cones, for the product that it should have."""
+    """Whether the pairs of a contact lie well within their cones, for the product ``beta`` that
+    they should have; ``most`` [N] is the largest shear."""
     zeta = inner[c, ZETA]
     square = inner[c, P1] * inner[c, P1] + inner[c, P2] * inner[c, P2]
     slid = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
@@ -134,8 +140,8 @@ def _is_central(inner, c, most, beta):
 
 @njit(cache=True, error_model="numpy")
 def _is_central_normal(table, inner, c, product):
-    """Whether a contact's normal reaction and slack are so, for the product that they should have;
-    those of contacts that may be crushed never leave their cones."""
+    """The same for the normal reaction of a contact and its slack, for the ``product`` that they
+    should have.  It is true of contacts that may be crushed, as `length` keeps them within."""
     if table[c, CRUSH] > 0.0:
         return True
     pn, w = inner[c, PN], inner[c, W]
@@ -166,8 +172,12 @@ def _distance_of_friction(most, size, beta):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(table, energy, everything, trial, inner):
-    """Variables of contacts for their trial reactions and a barrier ``energy`` [J]: of those that
-    lie too near to the ends of their cones or outside, or of all."""
+    """Centre contacts: fill their variables ``inner`` with those on the central path, for their
+    trial reactions and a barrier ``energy`` [J].
+
+    Without ``everything``, only variables that are too near to the boundary of their cones, or
+    outside, are changed.
+    """
     for c in range(table.shape[0]):
         tn, t1, t2 = trial[c, 0], trial[c, 1], trial[c, 2]
         if table[c, INTACT] != 0.0:
@@ -207,7 +217,8 @@ def centre_contacts(table, energy, everything, trial, inner):
 
 @njit(cache=True, error_model="numpy")
 def scale(table, inner, scaling):
-    """Fill what of the scaling does not depend on what is aimed at; the mean energy [J]."""
+    """Fill the columns of ``scaling`` that do not depend on the barrier aimed at; returns the mean
+    energy [J]."""
     energy, n = 0.0, 0
     for c in range(table.shape[0]):
         mu, ks = table[c, FRICTION], table[c, STIFF_T]
@@ -237,7 +248,7 @@ def scale(table, inner, scaling):
             scaling[c, V0], scaling[c, V1], scaling[c, V2] = v0, v1, v2
             g = det_d * rd * rp  # sqrt(det_d / det_p), one over the square of the factor
             scaling[c, ETA] = 1.0 / np.sqrt(g)
-            # (I + G_tt)^-1, apart along and across the direction: no differences of what is alike.
+            # (I + G_tt)^-1, separately along and across the direction, to avoid cancellation.
             square = v1 * v1 + v2 * v2
             across, along = 1.0 / (1.0 + g), 1.0 / (1.0 + g + 2.0 * g * square)
             size = np.sqrt(square)
@@ -263,7 +274,8 @@ def scale(table, inner, scaling):
 
 @njit(cache=True, error_model="numpy")
 def _scaled(eta, v0, v1, v2, x0, x1, x2):
-    """W x of the factor and the direction of a scaling; W^-1 x with 1 / eta, v0, -v1, -v2."""
+    """W x for the scaling W with factor ``eta`` and direction v; W^-1 x follows with 1 / eta, v0,
+    -v1, -v2."""
     dot = v1 * x1 + v2 * x2
     more = x0 + dot / (1.0 + v0)
     return eta * (v0 * x0 + dot), eta * (x1 + more * v1), eta * (x2 + more * v2)
@@ -271,10 +283,10 @@ def _scaled(eta, v0, v1, v2, x0, x1, x2):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def aim(table, energy, second, trial, inner, change, scaling, reaction):
-    """Fill what is lacking of a barrier ``energy`` [J]; with ``second``, the products of the
-    changes that the step without a barrier would make are taken off.
+    """Fill the residuals in ``scaling`` for a barrier ``energy`` [J] to aim at.
 
-    ``reaction`` (n_contacts, 3) is filled with what the aim asks for where the blocks do not move.
+    With ``second``, the products of the changes of the predictor are subtracted.  ``reaction``
+    (n_contacts, 3) is filled with the reactions that result if the blocks do not move.
     """
     for c in range(table.shape[0]):
         mu = table[c, FRICTION]
@@ -325,7 +337,7 @@ def aim(table, energy, second, trial, inner, change, scaling, reaction):
 
 @njit(cache=True, error_model="numpy")
 def tangent(problem, table, scaling, diagonal, upper, lower):
-    """Add H^T A diag(k_n, k_s, k_s) H to a block matrix [kg], of contacts without dilatancy."""
+    """Add H^T A diag(k_n, k_s, k_s) H of contacts without dilatancy to a block matrix [kg]."""
     nd = len(IN_SPACE)
     which, rows, _ = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
@@ -351,7 +363,7 @@ def tangent(problem, table, scaling, diagonal, upper, lower):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def responses(scaling, response):
-    """Derivatives (n_contacts, 3, 3) of the reactions by the trial reactions."""
+    """Fill ``response`` (n_contacts, 3, 3): derivatives of the reactions by the trial reactions."""
     for c in range(scaling.shape[0]):
         response[c, 0, 0] = scaling[c, NN]
         response[c, 0, 1], response[c, 0, 2] = scaling[c, N1], scaling[c, N2]
@@ -362,7 +374,8 @@ def responses(scaling, response):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def changes(table, energy, second, relative, inner, scaling, change):
-    """Changes of all variables for those of relative places or velocities (n_contacts, 3)."""
+    """Fill ``change`` with the changes of all variables, for changes ``relative`` (n_contacts, 3)
+    of gaps and slips, or of relative velocities; see `aim` for ``energy`` and ``second``."""
     for c in range(inner.shape[0]):
         mu, kn, ks = table[c, FRICTION], table[c, STIFF_N], table[c, STIFF_T]
         x0 = scaling[c, B0] - kn * relative[c, 0]
@@ -401,7 +414,7 @@ def changes(table, energy, second, relative, inner, scaling, change):
 
 @njit(cache=True, error_model="numpy")
 def _distance_to_cone(p0, p1, p2, d0, d1, d2):
-    """How far a pair may go before it leaves the cone."""
+    """Length along d (3,) at which a point p (3,) of the cone leaves it."""
     a = d0 * d0 - d1 * d1 - d2 * d2
     b = p0 * d0 - p1 * d1 - p2 * d2
     c = p0 * p0 - (p1 * p1 + p2 * p2)
@@ -421,18 +434,19 @@ def _distance_to_cone(p0, p1, p2, d0, d1, d2):
 
 @njit(cache=True, error_model="numpy")
 def _within(p0, p1, p2, d0, d1, d2, far):
-    """Whether a pair that is in the cone still is after a length ``far``, and so all along."""
+    """Whether a point p of the cone is still in it after a length ``far`` along d, and so all the
+    way, because the cone is convex."""
     x0, x1, x2 = p0 + far * d0, p1 + far * d1, p2 + far * d2
     return x0 > 0.0 and x0 * x0 > x1 * x1 + x2 * x2
 
 
 @njit(cache=True, error_model="numpy")
 def length(table, inner, change, radius):
-    """Step lengths, at most 1, for which the normal reactions of all contacts stay in their
-    neighbourhood; and for which their pairs stay within the cones as well.
+    """Two step lengths, at most 1: for the first, the normal reactions of all contacts stay in the
+    neighbourhood of the central path; for the second, their pairs also stay within the cones.
 
-    The neighbourhood of the central path: normal reactions and slacks may leave their cones by
-    sqrt(k_n e), e being the barrier ``radius`` [J].  `centre_contacts` then projects them back.
+    In the neighbourhood, normal reactions and slacks may be negative down to -sqrt(k_n e), where e
+    is the barrier ``radius`` [J].  `centre_contacts` then projects them back.
     """
     far, pairs = 1.0, 1.0
     for c in range(inner.shape[0]):
@@ -462,17 +476,18 @@ def length(table, inner, change, radius):
 
 @njit(cache=True, error_model="numpy")
 def _up_to(value, change, beyond, far):
-    """``far``, or as far as a positive value keeps its share or gets ``beyond`` zero by no more."""
+    """The length ``far``, or the smaller length at which a ``value`` has fallen to its share `KEPT`
+    less ``beyond``."""
     least = KEPT * value - beyond
     return (least - value) / change if value + far * change < least else far
 
 
 @njit(cache=True, error_model="numpy")
 def slip_rotates_too_far(table, far, inner, change, radius):
-    """Whether ``far`` along its changes a contact leaves its cone, and its slip has changed its
-    direction by more than `SLIP_COSINE` allows: then it cannot be projected back.
+    """Whether a contact leaves its cone after a length ``far``, while its slip changes its
+    direction by more than `SLIP_COSINE` allows.  Such a contact cannot be projected back.
 
-    Forces below sqrt(k_s e), e being the barrier ``radius`` [J], may have any direction.
+    Forces below sqrt(k_s e), where e is the barrier ``radius`` [J], may have any direction.
     """
     for c in range(inner.shape[0]):
         if table[c, INTACT] != 0.0:
@@ -492,7 +507,7 @@ def slip_rotates_too_far(table, far, inner, change, radius):
         fuzzy = np.sqrt(table[c, STIFF_T] * radius)
         if max(most, size, slid, abs(zeta)) < fuzzy:
             continue
-        # A contact that has slid by little may stick again at once.
+        # A contact that has slid little may stick again at once.
         little = max(most, fuzzy)
         if size > 2.0 * most + fuzzy or (slid_was > little and slid < STICKS_AGAIN * slid_was):
             return True
@@ -508,7 +523,7 @@ def slip_rotates_too_far(table, far, inner, change, radius):
 
 @njit(cache=True, error_model="numpy")
 def energy_at(table, far, inner, change):
-    """Mean energy [J] where all contacts have moved ``far`` along their changes."""
+    """Mean energy [J] of the contacts after a length ``far`` along their changes."""
     energy, n = 0.0, 0
     for c in range(inner.shape[0]):
         if table[c, INTACT] != 0.0:

@@ -1,8 +1,9 @@
-"""The joint law in explicit cycles: what a contact carries, and what becomes of its joint.
+"""The joint law in explicit cycles: the reactions of a contact, and the change of its history.
 
-Bonds that are brittle break at once.  Strengths of joints that soften or are crushed fall from
-cycle to cycle, see `law.strengths`: they are those that the last cycle has left, and what opens,
-slips or is crushed in one is small.  Shear is taken by its size, so that plane and space are one.
+Brittle bonds break at once.  Strengths of joints that soften or are crushed fall from cycle to
+cycle, see `law.strengths`.  Each cycle uses the strengths at the end of the last one, because
+opening, slip and crushing in one cycle are small.  Shear is taken by its size, so that the same
+kernels serve plane and space.
 """
 
 from __future__ import annotations
@@ -42,9 +43,9 @@ from drystone.law.status import SLIDING
 
 @njit(cache=True)
 def _opens(rn, gap, tension, whole):
-    """Whether a contact is open in a cycle, and whether its bond is ``whole`` still.
+    """Whether a contact is open in a cycle, and whether its bond is still ``whole``.
 
-    ``rn`` is the trial reaction, ``tension`` the bond's strength [N].
+    ``rn`` [N] is the normal trial reaction, ``tension`` [N] the tensile strength.
     """
     if rn >= 0.0:
         return False, whole
@@ -54,9 +55,10 @@ def _opens(rn, gap, tension, whole):
 
 @njit(cache=True)
 def _drag(rn, rt, bond, kn, ks, mu, tan_psi):
-    """Reactions [N] of trial ones in a cycle, the contact's status then, and how far it slid [m].
+    """Reactions [N] for trial reactions in a cycle, the status of the contact, and its slip [m].
 
-    A bond that breaks under tension leaves the contact open.  ``bond`` is zero where it is broken.
+    A bond that breaks under tension leaves the contact open.  ``bond`` [N] is the cohesion, zero if
+    the bond is broken.
     """
     limit = mu * rn + bond
     if not (abs(rt) > limit * (1.0 - AT_CONE) and rt != 0.0):
@@ -106,16 +108,16 @@ def keeps_bond_in_cycle(law, history, c, keep_bonds):
 
 @njit(cache=True)
 def react_in_cycle(law, history, c, rn, gap, size, kept):
-    """What a contact that is not open carries in a cycle; its joint's history goes on with it.
+    """The reactions of contact c, which is not open, in a cycle; its history is updated.
 
     Parameters
     ----------
     law, history
         Of all contacts, (n, N_LAW), see `law.columns.PER_AREA`, and (n, N_HISTORY or more).
     rn, size
-        Trial reaction and size of the trial shear [N].
+        Normal trial reaction and size of the trial shear [N].
     gap
-        In the present poses [m].
+        Gap in the present poses [m].
     kept
         See `keeps_bond_in_cycle`.
 
@@ -126,7 +128,7 @@ def react_in_cycle(law, history, c, rn, gap, size, kept):
     now
         Status of the contact.
     work
-        Dissipated [J].
+        Dissipated energy [J].
     """
     if law[c, YIELDS] != 0.0:
         rn, taken = normal_in_cycle(law, history, c, gap)
@@ -145,14 +147,15 @@ def react_in_cycle(law, history, c, rn, gap, size, kept):
     elif now == SLIDING:
         history[c, DILATION] += tan_psi * gamma
         history[c, SLID] += gamma
-        # What sliding takes, less what it gives back by lifting the joint.
+        # The work of sliding, less the work that lifts the joint.
         work = (rt - rn * tan_psi) * gamma
     return rn, rt, now, work
 
 
 @njit(cache=True)
 def normal_in_cycle(law, history, c, gap):
-    """Normal reaction [N] at a gap, and the work [J] of opening or crushing in it."""
+    """Normal reaction [N] of a joint that yields at a ``gap`` [m], and the work [J] dissipated by
+    opening or crushing."""
     kn, work = law[c, KN], 0.0
     away = gap - history[c, DILATION]
     if away <= 0.0:
@@ -179,7 +182,8 @@ def normal_in_cycle(law, history, c, gap):
 
 @njit(cache=True)
 def shear_in_cycle(law, history, c, rn, size):
-    """Size of the tangential reaction [N] of a trial one, the contact's status, and work [J]."""
+    """Size of the tangential reaction [N] of a joint that yields, for a trial shear of this
+    ``size`` [N]; the contact's status; and the dissipated work [J]."""
     bonded = law[c, COHESIVE] + law[c, PULLS] > 0.0
     whole = bonded and history[c, BROKEN] == 0.0
     left = np.exp(-history[c, SOFTENED]) if whole else 0.0

@@ -1,4 +1,4 @@
-"""The joint law of impulses, without shear stiffness: contacts that are solved one by one."""
+"""The joint law of impulses, without shear stiffness, for one contact at a time."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from drystone.common.compiled import njit
 from drystone.common.tolerances import AT_CONE, FRICTION_ANGLE
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 
-#: Angles of friction in space are looked for from at least so many.
+#: Number of intervals in which the angle of friction in space is looked for.
 N_ANGLES = 32
 
 
 @njit(cache=True, error_model="numpy")
 def local_impulse(bn, bt, cnn, wnt, wtt, mu):
-    """Impulses of one contact for itself [N s]: see `dynamics.sweeps` for its equations.
+    """Impulses [N s] that solve the equations of one contact; see `dynamics.sweeps`.
 
-    ``bn`` and ``bt`` are what its velocity would be without them, the first with the gap [m/s];
-    ``cnn``, ``wnt`` and ``wtt`` what they change of it [1/kg].
+    ``bn`` and ``bt`` [m/s] are the normal and tangential velocity without these impulses; ``bn``
+    also contains the gap.  ``cnn``, ``wnt`` and ``wtt`` [1/kg] are the change of the velocities per
+    impulse.
     """
     det = cnn * wtt - wnt * wnt
     stick_n = (wnt * bt - wtt * bn) / det
@@ -30,7 +31,7 @@ def local_impulse(bn, bt, cnn, wnt, wtt, mu):
     if bn < 0.0 and along > 0.0:
         pn = -bn / along
         pt = slope * pn
-        if (wnt * pn + wtt * pt + bt) * slope > 0.0:  # slides with its friction
+        if (wnt * pn + wtt * pt + bt) * slope > 0.0:  # friction must oppose sliding
             slope = -slope
             along = cnn + slope * wnt
             if along > 0.0:
@@ -41,8 +42,8 @@ def local_impulse(bn, bt, cnn, wnt, wtt, mu):
 
 @njit(cache=True, error_model="numpy")
 def _sliding(angle, a1, a2, m11, m12, m21, m22):
-    """Of the sliding velocity a + M t for friction along t, at an angle: its part across t, how
-    that goes with the angle, and its part along t."""
+    """The sliding velocity a + M t for friction along the direction t at an ``angle``: its part
+    across t, the derivative of this part by the angle, and its part along t."""
     c, s = np.cos(angle), np.sin(angle)
     v1, v2 = a1 + m11 * c + m12 * s, a2 + m21 * c + m22 * s
     along = c * v1 + s * v2
@@ -51,9 +52,10 @@ def _sliding(angle, a1, a2, m11, m12, m21, m22):
 
 @njit(cache=True, error_model="numpy")
 def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
-    """Angle of the friction that opposes sliding, and whether there is one: see `_sliding`.
+    """Angle of the friction that opposes sliding, and whether there is one; see `_sliding`.
 
-    Newton's method from an angle; where that fails, bisection wherever what is across changes sign.
+    It is found by Newton's method from ``start``.  If that fails, it is found by bisection in
+    intervals in which the part across changes its sign.
     """
     angle = start
     for _ in range(20):
@@ -84,18 +86,22 @@ def _sliding_angle(start, a1, a2, m11, m12, m21, m22):
 
 @njit(cache=True, error_model="numpy")
 def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
-    """Fill ``p`` (3,) with the impulses of one contact for itself [N s]; see `local_impulse`.
+    """Fill ``p`` (3,) with the impulses [N s] that solve the equations of one contact; see
+    `local_impulse`.
 
-    What slides does so against friction along (cos a, sin a), where the velocity across that is a
-    trigonometric polynomial of second degree in the angle.
+    A contact that slides has friction along (cos a, sin a), opposed to its velocity.  The velocity
+    across this direction is a trigonometric polynomial of second degree in the angle a.
 
     Parameters
     ----------
     bn, b1, b2
-        Velocity without the impulses, the first with the gap [m/s].
+        Velocity without the impulses [m/s]; ``bn`` also contains the gap.
     w
-        Delassus block (3, 3) [1/kg]; of its first entry ``cnn``, with the joint's compliance, takes
-        the place.
+        Delassus block (3, 3) [1/kg]; its first entry is not used.
+    cnn
+        Its first entry with the compliance of the joint [1/kg].
+    mu
+        Friction coefficient.
     """
     w01, w02, w11, w12, w22 = w[0, 1], w[0, 2], w[1, 1], w[1, 2], w[2, 2]
     # Tangential impulses with which the contact sticks: -h - g p_n.
@@ -111,7 +117,7 @@ def local_impulse_in_space(bn, b1, b2, w, cnn, mu, p):
     if bn >= 0.0:
         return
     start = np.arctan2(p2, p1) if pn > 0.0 else np.arctan2(-h2, -h1)
-    # Times p_n over its force without coupling, which is positive.
+    # The sliding velocity, times a positive factor that does not change its direction.
     a1, a2 = cnn * b1 - bn * w01, cnn * b2 - bn * w02
     m11, m12 = mu * (b1 * w01 - bn * w11), mu * (b1 * w02 - bn * w12)
     m21, m22 = mu * (b2 * w01 - bn * w12), mu * (b2 * w02 - bn * w22)
@@ -137,7 +143,7 @@ def projected_impulse(pn, pt, mu, sticks):
 
 @njit(cache=True, error_model="numpy")
 def impulse_in(branch, pn, pt, mu):
-    """Impulses [N s] in a branch, for trial ones."""
+    """Impulses [N s] in a branch, for trial impulses."""
     if branch == OPEN:
         return 0.0, 0.0
     if branch != STICKING:
@@ -147,7 +153,7 @@ def impulse_in(branch, pn, pt, mu):
 
 @njit(cache=True, error_model="numpy")
 def branch_of_impulse(pn, pt, mu):
-    """The branch that impulses lie on."""
+    """The branch to which impulses belong."""
     limit = mu * pn
     if pn <= 0.0:
         return OPEN
@@ -158,7 +164,7 @@ def branch_of_impulse(pn, pt, mu):
 
 @njit(cache=True, error_model="numpy")
 def projected_impulse_in_space(pn, p1, p2, mu, sticks):
-    """`projected_impulse` with two tangential ones; what slides does so FORWARD."""
+    """`projected_impulse` with two tangential impulses; the branch of sliding is FORWARD."""
     if pn <= 0.0:
         return 0.0, 0.0, 0.0, OPEN
     limit, size = mu * pn, np.sqrt(p1 * p1 + p2 * p2)

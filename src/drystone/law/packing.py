@@ -1,4 +1,4 @@
-"""Contacts in use, packed for solvers with the numbers of their joint laws."""
+"""Packs the contacts in use for solvers, with the parameters of their joint laws."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ from drystone.law.columns import COHESION, KN, KS, MU, TENSION
 
 @njit(cache=True, error_model="numpy")
 def pack(slots, pairs, laws, thickness, contacts):
-    """Fill ``contacts`` from the slots in use, but for what the last step did; their number."""
+    """Fill ``contacts`` of the plane from the slots in use, with gradients but without history;
+    returns their number.  ``laws`` (n_laws, N_LAW); ``thickness`` [m]."""
     count = pack_laws(slots, pairs, laws, thickness, contacts)
     which, rows, value = contacts.which, contacts.rows, slots.value
     for c in range(count):
@@ -39,7 +40,7 @@ def pack(slots, pairs, laws, thickness, contacts):
 
 @njit(cache=True, error_model="numpy")
 def pack_laws(slots, pairs, laws, thickness, contacts):
-    """The same but for the gradients, in both dimensions; in space ``thickness`` is one."""
+    """The same without gradients, in both dimensions; in space ``thickness`` is one."""
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     which, table = contacts.which, contacts.table

@@ -1,7 +1,7 @@
-"""How the joint law's pieces lie beside each other: for following one change after the other.
+"""Transitions between the branches of the joint law, for following one change after the other.
 
-How far along a direction a contact leaves its branch, where it lands, and by what products the
-stiffness changes with it.
+These kernels calculate the length along a direction at which a contact leaves its branch, the
+branch that it takes, and the change of the stiffness matrix, a product u v^T.
 """
 
 from __future__ import annotations
@@ -39,7 +39,12 @@ from drystone.law.limits import crushing, friction_in, limited_normal
 
 @njit(cache=True, error_model="numpy")
 def distance(table, c, now, rate_n, rate_t, whole):
-    """How far along the direction a contact leaves its branch, and for which one."""
+    """Length along the direction at which contact c leaves its branch ``now``, and the branch that
+    it takes; infinite if it stays.
+
+    ``rate_n`` and ``rate_t`` [N] are the changes of its trial reactions along the direction.  With
+    ``whole``, sliding counts over the whole step, so that a contact may also slide back.
+    """
     if across_joint(now) != WITHIN or (table[c, INTERCEPT] > 0.0 and now != BONDED):
         return distance_beyond(table, c, now, rate_n, rate_t, whole)
     nearest, following = distance_of_dry(table, c, now, rate_n, rate_t, whole)
@@ -53,7 +58,7 @@ def distance(table, c, now, rate_n, rate_t, whole):
 
 @njit(cache=True, error_model="numpy")
 def all_dry(table, count):
-    """Whether no contact softens or may be crushed."""
+    """Whether all contacts are dry: without a cohesion intercept, and never crushed."""
     beyond = 0
     for c in range(count):
         beyond += table[c, INTERCEPT] > 0.0 or table[c, CRUSH] > 0.0
@@ -102,8 +107,8 @@ def distance_of_dry(table, c, now, rate_n, rate_t, whole):
 
 @njit(cache=True, error_model="numpy")
 def change(table, rows, c, before, after, u, v, k):
-    """Fill u (2 n_dof,) and v[k, 0] with the u and v by whose product the matrix changes with the
-    branch of contact c."""
+    """Fill ``u`` (2 n_dof,) and ``v[k, 0]`` (2 n_dof,): the matrix changes by u v^T if contact c
+    changes from the branch ``before`` to ``after``."""
     if across_joint(before) != WITHIN or across_joint(after) != WITHIN:
         change_beyond(table, rows, c, before, after, u, v, k)
         return
@@ -127,8 +132,7 @@ def change(table, rows, c, before, after, u, v, k):
 
 @njit(cache=True, error_model="numpy")
 def distance_beyond(table, c, now, rate_n, rate_t, whole):
-    """How far along the direction a contact leaves its branch, and for which one; see
-    `distance`."""
+    """`distance` of a contact with a cohesion intercept, or in a torn or crushed branch."""
     rn, rt, crush = table[c, TRIAL_N], table[c, TRIAL_T], crushing(table, c)
     across, along = across_joint(now), along_joint(now) if now != OPEN else STICKING
     nearest, following = np.inf, now
@@ -166,7 +170,7 @@ def distance_beyond(table, c, now, rate_n, rate_t, whole):
 
 @njit(cache=True, error_model="numpy")
 def change_beyond(table, rows, c, before, after, u, v, k):
-    """`change` of a contact that comes from or goes to a torn or crushed branch."""
+    """`change` for a contact that comes from, or goes to, a torn or crushed branch."""
     kn, kt, mu = table[c, STIFF_N], table[c, STIFF_T], table[c, FRICTION]
     if across_joint(before) != across_joint(after):
         turn = 1.0 if across_joint(after) == WITHIN else -1.0

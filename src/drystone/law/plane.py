@@ -1,19 +1,19 @@
-"""The joint law of contacts in the plane: the map with a sign, on rows of their table.
+"""The joint law of contacts in the plane, where shear has a sign; on rows of the contacts' table.
 
-With the stiffnesses times the contact's tributary area k_n, k_s [N/m], gap g, accumulated
-dilation d, slip increment s and shear t_0 at the start of the step, the trial reactions are
+Let k_n, k_s [N/m] be the stiffness times the tributary area of the contact, g the gap, d the
+dilation so far, s the slip in the step and t_0 the shear at its start.  The trial reactions are
 
     r_n = k_n (d - g)          r_t = t_0 - k_s s
 
-Without tension k_s r_n + k_n tan(psi) |r_t| <= 0 means open, which without dilatancy is r_n <= 0.
-|r_t| <= mu r_n sticks.  Otherwise the joint slides by
+A joint without tension is open if k_s r_n + k_n tan(psi) |r_t| <= 0, which without dilatancy is
+r_n <= 0.  It sticks if |r_t| <= mu r_n.  Otherwise it slides by
 
     gamma = (|r_t| - mu r_n) / (k_s + mu k_n tan psi)
 
-against the trial shear, which raises the normal reaction by k_n tan(psi) gamma (return mapping;
-non-associative unless tan psi = mu).  A bond stays intact whatever it carries: whether it breaks is
-decided between steps (see `law.bonds`).  In each of these branches the reactions are linear in the
-trial reactions, and they are continuous.
+against the trial shear.  Sliding raises the normal reaction by k_n tan(psi) gamma.  This is a
+return mapping, non-associative unless tan psi = mu.  A bond stays intact whatever it carries;
+`law.bonds` decides between steps whether it breaks.  In each of these branches the reactions are
+linear in the trial reactions, and they are continuous across branches.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 
 @njit(cache=True, error_model="numpy")
 def slide(rn, rt, stiffness, friction, lift):
-    """How far a joint has slid under trial reactions beyond the cone, shear taken positive [m]."""
+    """Slip [m] of a joint under trial reactions beyond the friction cone, with positive shear."""
     return (rt - friction * rn) / (stiffness + friction * lift)
 
 
@@ -80,15 +80,16 @@ def reactions(table, c, branch):
 
 @njit(cache=True, error_model="numpy")
 def choose(table, low, high, branch):
-    """Branches (n_contacts,) for the trial reactions of contacts from ``low`` to ``high``."""
+    """Fill the branches (n_contacts,) for the trial reactions of contacts from ``low`` to before
+    ``high``."""
     for c in range(low, high):
         branch[c] = branch_of(table, c, BONDED if table[c, INTACT] != 0.0 else branch[c])
 
 
 @njit(cache=True, error_model="numpy")
 def respond(table, low, high, branch, reaction, response):
-    """Fill reactions (n_contacts, 3), and their derivatives by the trial reactions (n_contacts, 3,
-    3), of contacts from ``low`` to ``high`` in the branches they are in."""
+    """Fill reactions (n_contacts, 3) and their derivatives by the trial reactions (n_contacts, 3,
+    3), of contacts from ``low`` to before ``high`` in their present branches."""
     for c in range(low, high):
         now = branch[c]
         sign = -1.0 if along_joint(now) == BACKWARD else 1.0
@@ -100,7 +101,8 @@ def respond(table, low, high, branch, reaction, response):
 
 @njit(cache=True, error_model="numpy")
 def age(which, table, branch, count, history):
-    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
+    """Change ``history`` (n_slots, N_HISTORY) from that at the start of a step to that at its
+    end."""
     for c in range(count):
         k, now = which[c, SLOT], branch[c]
         _, history[k, SHEAR], slid = reactions(table, c, now)
@@ -114,8 +116,8 @@ def age(which, table, branch, count, history):
 
 @njit(cache=True, error_model="numpy")
 def commit(table, c, before):
-    """Make the sliding of a contact part of its history, where it sticks or opens; and forget
-    the shear of one that was open."""
+    """Keep the sliding and crushing of a contact that leaves the branch ``before``, in its row of
+    the table.  A contact that was open loses its shear."""
     if before == OPEN:
         table[c, ADD_T] -= table[c, TRIAL_T]
         table[c, TRIAL_T] = 0.0
@@ -137,7 +139,8 @@ def commit(table, c, before):
 
 @njit(cache=True, error_model="numpy")
 def remember(which, table, count, history_before):
-    """Sliding that has ended becomes part of what contacts bring along (n_slots, N_HISTORY)."""
+    """Add the sliding that has ended in the step to the history at its start, (n_slots,
+    N_HISTORY)."""
     for c in range(count):
         k = which[c, SLOT]
         history_before[k, SHEAR] += table[c, ADD_T]

@@ -1,4 +1,4 @@
-"""How far a solution is from the equations of a step: the one measure that judges every solver."""
+"""The unbalanced force of a solution, the measure that judges every solver."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from drystone.contact.rows import IN_PLANE, IN_SPACE, add_reaction
 
 @njit(cache=True, error_model="numpy")
 def unbalanced_force(force, inertia, extent, fixed):
-    """Largest force, or moment over block size, that is not balanced on a movable block [N].
+    """Largest unbalanced force, or moment over block size, on a movable block [N]; NaN if a force
+    is NaN.
 
-    Not a number where a force is none.  ``force`` (n, n_dof) holds all forces on each block,
-    contacts included; ``inertia`` (n, n_dof) the product of mass and acceleration; ``extent`` (n,)
-    [m] the size by which moments are divided.
+    ``force`` (n, n_dof) [N, N m] are all forces on each block, contacts included.  ``inertia``
+    (n, n_dof) is mass times acceleration.  ``extent`` (n,) [m] is the size by which moments are
+    divided.  ``fixed`` (n,) are the blocks that are left out.
     """
     worst = 0.0
     dim = 2 if force.shape[1] == 3 else 3
@@ -36,7 +37,8 @@ def unbalanced_force(force, inertia, extent, fixed):
 
 @njit(cache=True, error_model="numpy")
 def add_contact_forces(contacts, reaction, force):
-    """Add H^T r to ``force`` (n, n_dof) on all bodies, fixed ones included."""
+    """Add the forces H^T r of reactions (n_contacts, dim) to ``force`` (n, n_dof), on all bodies,
+    fixed ones included."""
     which, rows, _ = contacts
     for c in range(reaction.shape[0]):
         a, b = which[c, BODY_A], which[c, BODY_B]

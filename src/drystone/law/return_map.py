@@ -1,9 +1,9 @@
-"""The joint law as one map: from trial reactions to reactions, their derivatives, branch and slip.
+"""The joint law as a map from trial reactions to reactions, their derivatives, branch and slip.
 
-It takes numbers, not tables: the normal trial reaction r_n counted from the tension on (see
-`law.limits`) and the size of the trial shear T, so that one tangential component and two are the
-same.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, the cohesion intercept k (shear
-without pressure) and the crushing reaction C:
+Its arguments are numbers: the normal trial reaction r_n, counted from the tension on (see
+`law.limits`), and the size T of the trial shear.  So it holds for one tangential component and for
+two.  With shear stiffness k_s, friction mu, lift L = k_n tan psi, cohesion intercept k (the shear
+without pressure) and crushing reaction C:
 
 | branch | r_n' | shear |
 |---|---|---|
@@ -40,15 +40,15 @@ def branch_for(rn, shear, ks, mu, lift, intercept, crush, hint, sliding):
     Parameters
     ----------
     rn, shear
-        Normal trial reaction from the tension on, and size of the trial shear [N].
+        Normal trial reaction, counted from the tension on, and size of the trial shear [N].
     ks, mu, lift, intercept, crush
-        Shear stiffness [N/m], friction, lift [N/m], cohesion intercept and crushing reaction [N];
-        infinite where joints are not crushed.
+        Shear stiffness [N/m], friction, lift [N/m], cohesion intercept [N] and crushing reaction
+        [N], which is infinite if the joint is not crushed.
     hint
-        The branch that the contact comes from, in which it stays where another is no nearer but by
-        rounding; any but BONDED.
+        The present branch, any but BONDED.  The contact stays in it if another branch fits better
+        only by rounding.
     sliding
-        FORWARD or BACKWARD, as it would slide.
+        The branch if it slides: FORWARD or BACKWARD.
     """
     was = along_joint(hint)
     if not (intercept > 0.0 or rn > crush * (1.0 - BRANCH_TIE)):
@@ -78,10 +78,10 @@ def branch_for(rn, shear, ks, mu, lift, intercept, crush, hint, sliding):
 
 @njit(cache=True, error_model="numpy")
 def reactions_in(branch, rn, shear, ks, mu, lift, intercept, crush):
-    """Normal reaction from the tension on, and shear [N], in a branch; with the sliding in it [m].
+    """Normal reaction, counted from the tension on, and shear [N] in a branch; and the slip [m].
 
-    ``shear`` is counted as positive in the sense in which the branch slides; the trial reactions
-    may lie elsewhere.
+    ``shear`` [N] is the trial shear, positive in the sense of the sliding branch.  The trial
+    reactions need not belong to the branch.
     """
     if branch == OPEN:
         return 0.0, 0.0, 0.0
@@ -100,8 +100,8 @@ def reactions_in(branch, rn, shear, ks, mu, lift, intercept, crush):
 
 @njit(cache=True, error_model="numpy")
 def derivatives_in(branch, ks, mu, lift):
-    """Derivatives of the reactions of `reactions_in` by the trial reactions: of the normal one by
-    both, and of the shear by both."""
+    """Derivatives of the reactions of `reactions_in` by the trial reactions: of the normal reaction
+    by the normal and by the shear, then of the shear by both."""
     if branch == OPEN:
         return 0.0, 0.0, 0.0, 0.0
     if branch == STICKING or branch == BONDED:

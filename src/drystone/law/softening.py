@@ -1,15 +1,15 @@
-"""Joints that soften or are crushed, with their strengths where a step ends: reactions, tangent.
+"""Reactions and tangent of joints that soften or are crushed, with their strengths at a step's end.
 
-In `law.limits` strengths are constant while a step is solved.  Here they follow from the gap y and
-the trial shear T of a contact, both per area, as `law.strengths` says.  With all that opens, slips
-and softens at once there is one unknown a contact, how far its bond has softened:
+In `law.limits`, strengths are constant while a step is solved.  Here they follow from the gap y and
+the trial shear T per area of a contact, by the law of `law.strengths`.  A contact may open, slip
+and soften at once.  The only unknown is then the softening s of its bond:
 
     s = s_0 + (c / G_II) gamma(s) + (f_t / G_I) kappa(s),
     gamma = (|T| - most(s)) / k_s,    kappa = y - opened - f_t e^-s / k_n,
 
-each where it is positive.  Without a bond it is what the joint has slid, with friction that falls.
-The tangent follows from the same equation, so that Newton's method on the balance of the blocks is
-consistent with the law (Simo and Taylor 1985).
+where negative values of gamma and kappa count as zero.  Without a bond, the unknown is the slip,
+with which friction falls.  The tangent follows from the same equation, so that Newton's method on
+the balance of the blocks is consistent with the law (Simo and Taylor 1985).
 """
 
 from __future__ import annotations
@@ -33,26 +33,27 @@ from drystone.law.columns import (
     SOFTENS,
 )
 
-#: Columns of a contact: 1 where its bond is whole, its state of softening, gap [m] and trial shear
-#: [Pa]; its law is in a list beside.
+#: Columns of a contact: 1 if its bond is whole; its state of softening (see `strengths.Reached`);
+#: gap [m]; size of the trial shear [Pa].  The index of its law is passed separately.
 C_WHOLE, C_SOFTENED, C_OPENED, C_SLID, C_CRUSHED, C_GAP, C_SHEAR = 0, 1, 2, 3, 4, 5, 6
 N_CONTACT = 7
 
-#: Columns of what follows: pressure, shear [Pa], their derivatives by gap [Pa/m] and by trial
-#: shear, and the state of softening of the contact.
+#: Columns of the results of a contact: pressure, shear [Pa]; their derivatives by the gap [Pa/m]
+#: and by the trial shear; and its new state of softening.
 P_NORMAL, P_SHEAR, P_NY, P_NT, P_TY, P_TT, P_SOFTENED, P_OPENED, P_SLID, P_CRUSHED = range(10)
 N_POINT = 10
 
 
 @njit(cache=True, error_model="numpy")
 def _pressed(law, crushed, y):
-    """Pressure of a contact that is shut, its derivative by the gap, closure by crushing."""
+    """Pressure [Pa] of a contact that is closed, its derivative by the gap [Pa/m], and its closure
+    by crushing [m]."""
     kn, strength, rate = law[KN], law[CRUSHES], law[BY_CRUSHING]
     p = -kn * y
     at = crushed
     if not p > strength * np.exp(-min(rate * crushed, FULLY_SOFTENED)):
         return p, -kn, crushed
-    for _ in range(60):  # convex and falling, from below
+    for _ in range(60):  # Newton's method, which converges from below
         carried = strength * np.exp(-min(rate * at, FULLY_SOFTENED))
         slope = rate * carried if rate * at < FULLY_SOFTENED else 0.0
         more = (-kn * (y + at - crushed) - carried) / max(kn - slope, LEAST_SLOPE * kn)
@@ -66,8 +67,8 @@ def _pressed(law, crushed, y):
 
 @njit(cache=True, error_model="numpy")
 def _normal(law, whole, opened, pulls, y, s, at):
-    """Fill ``at`` with the pressure, its derivatives by y and s, kappa and its derivatives, of a
-    contact that is open."""
+    """Fill ``at`` (6,) for a contact that is open: the pressure, its derivatives by y and s, kappa,
+    and its derivatives by y and s."""
     for i in range(6):
         at[i] = 0.0
     if not (whole and pulls):
@@ -143,7 +144,7 @@ def points(laws, law_of, contact, point):
             out[P_NY], out[P_NT] = at[1] + at[2] * sy, at[2] * st
             out[P_TY], out[P_TT] = (my + ms * sy, ms * st) if slides else (0.0, 1.0)
         else:
-            # What is slid more lowers friction: most = mu(slid + gamma) p.
+            # Further slip lowers friction: most = mu(slid + gamma) p.
             loss = -rate * (mu - least) * pressure if slides else 0.0
             gy, gt = -my / ks / slope, 1.0 / ks / slope
             out[P_NY], out[P_NT] = at[1], 0.0

@@ -1,4 +1,5 @@
-"""The joint law of contacts in space: the map along the trial shear, on rows of their table."""
+"""The joint law of contacts in space, where shear has a direction; on rows of the contacts'
+table."""
 
 from __future__ import annotations
 
@@ -23,10 +24,11 @@ from drystone.law.return_map import branch_for, derivatives_in, reactions_in
 
 @njit(cache=True, nogil=True)
 def respond(table, trial, low, high, branch, reaction, response):
-    """The joint law: reactions (n, 3) and their derivatives (n, 3, 3) by the trial reactions.
+    """Fill reactions (n, 3), and their derivatives (n, 3, 3) by the trial reactions (n, 3), of
+    contacts from ``low`` to before ``high``.
 
-    ``branch`` (n,) is filled; a contact at its cone to rounding keeps the one it has.  Shear acts
-    along the trial shear: what the law says of its size (`law.return_map`) turns with that.
+    ``branch`` (n,) is filled too; a contact at its friction cone, but for rounding, keeps its
+    branch.  Shear acts along the trial shear; its size is that of `law.return_map`.
     """
     for c in range(low, high):
         tn, t1, t2, ks, mu = (
@@ -58,7 +60,7 @@ def respond(table, trial, low, high, branch, reaction, response):
         reaction[c, 1], reaction[c, 2] = rt * e1, rt * e2
         response[c, 0, 1], response[c, 0, 2] = nt * e1, nt * e2
         response[c, 1, 0], response[c, 2, 0] = dn * e1, dn * e2
-        # Along the shear it goes with the law, across with the direction.
+        # Along the shear, the derivative is that of its size; across, that of its direction.
         response[c, 1, 1] = dt * e1 * e1 + share * (1.0 - e1 * e1)
         response[c, 2, 2] = dt * e2 * e2 + share * (1.0 - e2 * e2)
         response[c, 1, 2] = response[c, 2, 1] = dt * e1 * e2 - share * e1 * e2
@@ -66,7 +68,8 @@ def respond(table, trial, low, high, branch, reaction, response):
 
 @njit(cache=True)
 def age(which, table, trial, reaction, branch, count, history):
-    """What contacts have at the end of a step, into ``history`` (n_slots, N_HISTORY) so far."""
+    """Change ``history`` (n_slots, N_HISTORY + 1) from that at the start of a step to that at its
+    end."""
     for c in range(count):
         k, now = which[c, SLOT], branch[c]
         history[k, SHEAR], history[k, SHEAR + 1] = reaction[c, 1], reaction[c, 2]

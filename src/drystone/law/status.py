@@ -1,4 +1,4 @@
-"""What contacts are called in results."""
+"""The status of contacts in results: open, sticking or sliding."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.law import branches
 from drystone.law.columns import MU
 
-#: By branch; the sense of sliding is that of the reaction.  What is torn carries nothing.
+#: Status by branch, (N_BRANCHES,).  Torn contacts count as open.
 STATUS_OF = np.full(branches.N_BRANCHES, OPEN)
 STATUS_OF[[branches.STICKING, branches.BONDED, branches.CRUSHED_STICKING]] = STICKING
 STATUS_OF[[branches.FORWARD, branches.BACKWARD]] = SLIDING
@@ -20,7 +20,7 @@ STATUS_OF[[branches.CRUSHED_FORWARD, branches.CRUSHED_BACKWARD]] = SLIDING
 
 @njit(cache=True, error_model="numpy")
 def status_of(pairs, laws, reaction, status):
-    """Fill what slots are called in results (n_slots,) by their reactions (n_slots, dim) [N]."""
+    """Fill the ``status`` (n_slots,) of slots, from their reactions (n_slots, dim) [N]."""
     pair, of_pair = pairs.of_slot, pairs.which
     for k in range(reaction.shape[0]):
         normal, square = reaction[k, 0], 0.0

@@ -1,22 +1,23 @@
-"""Stiffness and strengths of joints that soften, are crushed and close, by their history.
+"""Stiffness and strengths of joints that soften, are crushed or close, as functions of history.
 
-With the inelastic opening k_n and slip k_t [m] of a contact, its bond has softened by
+With the inelastic opening k_n and the slip k_t [m] of a contact, its bond has softened by
 
     s = k_n f_t / G_I + k_t c / G_II
 
-(Lourenco and Rots 1997: both are bridges of the same mortar, which opening and slip break alike),
-and what is left of it, with the friction, is
+(Lourenco and Rots 1997: opening and slip break the same bridges of mortar).  The remaining
+strengths and the friction are
 
     f = f_t exp(-s),    c = c_0 exp(-s),    mu = mu_r + (mu_0 - mu_r) exp(-s).
 
-So opening alone takes G_I per area, and slip alone G_II over what friction takes.  Joints without a
-bond may lose friction over their slip instead, by exp(-k_t / residual slip).  A joint that is
-crushed by k_c [m] carries f_c exp(-f_c k_c / G_c).  One that closes hyperbolically by v carries
-k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983); one that does so with the logarithm of the
-pressure, as where faces do not match (likewise), k_n v_r (exp(v / v_r) - 1).
+So opening alone takes the energy G_I per area, and slip alone takes G_II beside the work of
+friction.  Joints without a bond may lose friction over their slip instead, by exp(-k_t / residual
+slip).  A joint that is crushed by k_c [m] carries f_c exp(-f_c k_c / G_c).  A joint that closes
+hyperbolically by v carries k_n v / (1 - v / v_m) (Bandis, Lumsden and Barton 1983).  A joint whose
+closure goes with the logarithm of the pressure, as between faces that do not match (same source),
+carries k_n v_r (exp(v / v_r) - 1).
 
-A contact that has been torn open pulls again where it is opened further than it was, and presses
-where it is shut: between both nothing acts.
+A contact that has been torn open pulls only if it opens further than before, and presses only if it
+is closed.  In between, it carries nothing.
 """
 
 from __future__ import annotations
@@ -49,8 +50,9 @@ from drystone.law.columns import (
 from drystone.law.table import law_table, yielding_row
 from drystone.model.assembly import Assembly
 
-#: The share of its length by which a joint is closed, as far as the tangent goes; its pressure over
-#: k_n times the length, and stiffness over k_n there.
+#: A law of closure.  Argument: the closure of joints over the length of their law.  Results at the
+#: point of the tangent: this ratio, limited; the pressure over k_n times the length; the stiffness
+#: over k_n.
 _Closure = Callable[[Array], tuple[Array, Array, Array]]
 
 
@@ -74,12 +76,13 @@ class Reached(NamedTuple):
     gap: Array  # m, less what was crushed
 
     def at(self, source: IntArray) -> Reached:
-        """Those of other slots (n_slots,); what is new, -1, is as it was in the same slot."""
+        """The state taken from slots ``source`` (n_slots,); a new contact, -1, keeps that of its
+        own slot."""
         return Reached(*(np.where(source >= 0, a[source], a) for a in self))
 
 
 class Strengths:
-    """Strengths of all joint laws of an assembly; per area."""
+    """Strengths of all joint laws of an assembly, per area."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.any = any(law.yields for law in assembly.laws)
@@ -91,18 +94,18 @@ class Strengths:
         ) = np.array(columns).T  # fmt: skip
         softens = [law.softens for law in assembly.laws]
         self.yields: BoolArray = np.array([law.yields for law in assembly.laws])
-        #: Whether `law.softening` has all of what joints do.
+        #: Whether `law.softening` covers all joint laws: it has no nonlinear closure.
         self.smooth = not np.isfinite([self.closure, self.log_closure]).any()
         self.softens: BoolArray = np.array(softens)
         self.bonded: BoolArray = self.softens & (self.cohesion + self.tension > 0.0)
-        #: Laws whose bonds opening breaks at once: it has no energy to take.
+        #: Laws whose bonds break at once by opening, because opening takes no energy.
         self.tears: BoolArray = self.bonded & (self.tension == 0.0)
         #: (n_laws, N_LAW), see `law.columns`.
         self.table = law_table(assembly)
-        #: How far joints of each law close before they are crushed, (n_laws,) [m]; None where no
-        #: joint is crushed.
+        #: Closure at which joints of each law begin to be crushed, (n_laws,) [m]; None if no joint
+        #: is crushed.
         self.bears = self.crush / self.kn if np.isfinite(self.crush).any() else None
-        #: Parameters of contacts that are made later, by law, (n_laws, N_CURRENT): without a bond.
+        #: Parameters of contacts that are made later, (n_laws, N_CURRENT); they have no bond.
         self.fresh = self._fresh()
 
     def _fresh(self) -> Array:
@@ -112,7 +115,8 @@ class Strengths:
         return self.current(np.arange(n), history, self.first(history, np.zeros(n)))
 
     def first(self, history: Array, slots_gap: Array) -> Reached:
-        """Where contacts begin, by their history (n_slots, N_HISTORY + dim - 2)."""
+        """The state of contacts at the start of a step, from their history (n_slots, N_HISTORY +
+        dim - 2) and gaps (n_slots,) [m]."""
         return Reached(
             softened=history[:, SOFTENED].copy(),
             opened=history[:, OPENED].copy(),
@@ -122,7 +126,8 @@ class Strengths:
         )
 
     def current(self, law: IntArray, history: Array, now: Reached) -> Array:
-        """Parameters of contacts in the state ``now``, (n_slots, N_CURRENT); `contact.contacts`."""
+        """Parameters (n_slots, N_CURRENT) of contacts in the state ``now``; see
+        `contact.contacts`."""
         whole = (history[:, BROKEN] == 0.0) & self.bonded[law]
         left = np.where(whole, np.exp(-now.softened), 0.0)
         friction = np.where(self.softens[law], left, np.exp(-self.per_slip[law] * now.slid))
@@ -145,8 +150,8 @@ class Strengths:
     def _tangent(
         self, gap: Array, length: Array, curved: BoolArray, carried: _Closure, current: Array
     ) -> None:
-        """Write the tangent at the ``gap`` [m] of joints that do not close linearly, ``curved``
-        (n_slots,), with the ``length`` [m] of their law, into ``current``."""
+        """Write the tangent of joints with nonlinear closure, ``curved`` (n_slots,), into
+        ``current``.  ``gap`` and ``length`` [m] are their gaps and the lengths of their laws."""
         closed = np.maximum(np.nan_to_num(-gap, posinf=0.0, neginf=0.0), 0.0)
         kn = current[curved, STIFF_N]
         at, pressure, slope = carried(closed / length)
@@ -156,17 +161,18 @@ class Strengths:
     def points(
         self, law: IntArray, start: Array, committed: Array, gap: Array, shear: Array
     ) -> Array:
-        """What follows of gaps and trial shears, (n, N_POINT); see `law.softening`.
+        """Reactions, tangents and softening (n, N_POINT) for gaps and trial shears; see
+        `law.softening`.
 
         Parameters
         ----------
         law
-            Of each contact, (n,).
+            Law of each contact, (n,).
         start, committed
-            Their history where the step starts; and the same with the slip and the crushing of the
-            step so far, (n, N_HISTORY + dim - 2).
+            History at the start of the step; and the same with the slip and crushing of the step so
+            far, (n, N_HISTORY + dim - 2).
         gap, shear
-            Where the step ends, (n,) [m], and the size of the trial shear [Pa].
+            Gap at the end of the step, (n,) [m], and size of the trial shear, (n,) [Pa].
         """
         contact = np.empty((len(law), softening.N_CONTACT))
         whole = start[:, BROKEN] == 0.0
@@ -183,16 +189,16 @@ class Strengths:
         return point
 
     def reached(self, law: IntArray, before: Array, after: Array, gap: Array) -> Reached:
-        """The state of softening of contacts where a step ends.
+        """The state of softening of contacts at the end of a step.
 
         Parameters
         ----------
         law
-            Of each slot, (n_slots,).
+            Law of each slot, (n_slots,).
         before, after
-            Their history where the step starts and where it ends, (n_slots, N_HISTORY + dim - 2).
+            History at the start and at the end of the step, (n_slots, N_HISTORY + dim - 2).
         gap
-            Where it ends, (n_slots,) [m].
+            Gap at the end, (n_slots,) [m].
         """
         bonded = self.bonded[law] & (before[:, BROKEN] == 0.0)
         slid = after[:, SLID]
@@ -205,7 +211,7 @@ class Strengths:
         s, start, far = (a[tears] for a in (sheared, sheared, beyond))
         rate, give = by_opening[tears], elastic[tears]
         s = start + rate * far
-        for _ in range(60):  # convex and rising, from above
+        for _ in range(60):  # Newton's method, which converges from above
             step = (s - start - rate * (far - give * np.exp(-s))) / (1.0 - rate * give * np.exp(-s))
             s = s - step
             if not (np.abs(step) > LAST_DIGIT * (1.0 + np.abs(s))).any():
@@ -222,8 +228,8 @@ class Strengths:
         )
 
     def fill(self, law: IntArray, history: Array, gap: Array, size: Array, table: Array) -> None:
-        """Write the parameters of contacts (n_contacts,), times the ``size`` of their joint, into
-        their table."""
+        """Write the parameters of contacts, times the ``size`` (n_contacts,) [m2] of their joints,
+        into their table (n_contacts, N_TABLE)."""
         now = self.first(history, gap)
         current = self.current(law, history, now)
         table[:, FRICTION] = current[:, FRICTION]
@@ -239,7 +245,8 @@ class Strengths:
 def difference(current: Array, other: Array, reaction: Array, area: Array) -> float:
     """Largest force [N] by which two sets of parameters (n_slots, N_CURRENT) differ.
 
-    ``reaction`` (n_slots,) is normal [N], which friction and stiffness count with.
+    ``reaction`` (n_slots,) [N] is the normal reaction, by which differences of friction and
+    stiffness are multiplied.  ``area`` (n_slots,) [m2].
     """
     pressed = np.maximum(reaction, 0.0)
     force = np.abs(current[:, PULL] - other[:, PULL]) * area
@@ -247,6 +254,6 @@ def difference(current: Array, other: Array, reaction: Array, area: Array) -> fl
     force = np.maximum(force, np.abs(current[:, FRICTION] - other[:, FRICTION]) * pressed)
     capped = np.isfinite(current[:, CRUSH])
     crush = np.abs(current[capped, CRUSH] - other[capped, CRUSH]) * area[capped]
-    # Of a tangent that has moved on, to second order.
+    # A change of the tangent stiffness, as a force.
     curved = np.abs(current[:, STIFF_N] / other[:, STIFF_N] - 1.0) * pressed
     return float(max(force.max(initial=0.0), crush.max(initial=0.0), curved.max(initial=0.0)))

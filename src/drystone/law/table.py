@@ -1,4 +1,4 @@
-"""Joint laws as the table that the kernels read."""
+"""Joint laws as a table for kernels."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from drystone.model.joint_law import JointLaw
 def law_table(assembly: Assembly, *, shear: bool = True) -> Array:
     """One row per joint law, (n_laws, N_LAW); see `law.columns`.
 
-    Raises `ValueError` where a stiffness is missing (a model read for limit analysis only); that in
-    ``shear`` is not asked for by a formulation without it.
+    Raises `ValueError` if a stiffness is missing, as in a model that was read for limit analysis
+    only.  Formulations without shear stiffness do not need it: they pass ``shear=False``.
     """
     keys = ("normal_stiffness", "shear_stiffness") if shear else ("normal_stiffness",)
     table = np.zeros((len(assembly.laws), N_LAW))
@@ -57,7 +57,8 @@ def _yielding(law: JointLaw) -> tuple[float, ...]:
 
 
 class Row(NamedTuple):
-    """What a law is made of; strengths [Pa] of bonds that soften only, rates [1/m]."""
+    """The parameters of a law that yields: strengths [Pa], those of bonds only if they soften;
+    rates [1/m]."""
 
     mu: float
     residual: float

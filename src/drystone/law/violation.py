@@ -1,4 +1,4 @@
-"""How far reactions are from those that the joint law gives: for certificates."""
+"""Differences of reactions from those of the joint law, for certificates."""
 
 from __future__ import annotations
 
@@ -21,19 +21,18 @@ from drystone.law.limits import crushing
 
 @njit(cache=True, error_model="numpy")
 def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
-    """Largest distances [N] of reactions from those that the joint law gives.
+    """Largest differences [N] of reactions from those of the joint law.
 
-    The law's reaction is r_n = k_n <-g> and r_t = t_0 - k_s s, drawn back to mu r_n + bond where it
-    is larger; a bond also pulls, r_n = -k_n g, up to its tensile strength; joints that soften or
-    are crushed see `law.limits`.  For friction without
-    shear stiffness, pass the reaction itself as ``shear_before`` and any positive stiffness: the
-    distance is then zero only where the law holds (natural map).  Without a slip, what is left of
-    it is the cone.
+    The reactions of the law are r_n = k_n <-g> and r_t = t_0 - k_s s, the latter limited to mu r_n
+    + bond.  A bond also pulls, r_n = -k_n g, up to its tensile strength.  For joints that soften or
+    are crushed see `law.limits`.  For friction without shear stiffness, pass the reaction itself as
+    ``shear_before`` and any positive stiffness: the difference is then zero only if the law holds
+    (natural map).  If the slip is zero too, only the friction cone is checked.
 
     Parameters
     ----------
     table
-        Stiffnesses, friction and strengths, (n_contacts, N_TABLE).
+        Stiffness, friction and strengths, (n_contacts, N_TABLE).
     gap
         At the end of the step, less dilation, (n_contacts,) [m].
     slip
@@ -43,14 +42,14 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
     shear_before
         (n_contacts, dim - 1) [N], tangential reaction at the start of the step.
     whole
-        (n_contacts,) 1 where a bond has not broken, else 0.
+        (n_contacts,) 1 if a bond has not broken, else 0.
     slack
-        (n_contacts,) how well reactions are known [N]: no bond breaks for less.
+        (n_contacts,) accuracy of reactions [N]: a smaller excess breaks no bond.
 
     Returns
     -------
     normal, tangential
-        Of normal and of tangential reactions [N].
+        Largest difference of normal and of tangential reactions [N].
     cone
         Excess of tangential reactions over friction and cohesion [N].
     """
@@ -79,7 +78,7 @@ def joint_law_violation(table, gap, slip, reaction, shear_before, whole, slack):
         normal = max(normal, abs(reaction[c, 0] - law_n))
         tangential = max(tangential, away)
         cone = max(cone, size - limit)
-        # Comparisons lose what is not a number.
+        # Comparisons with NaN would hide it.
         if not np.isfinite(law_n + away + size + reaction[c, 0]):
             return np.nan, np.nan, np.nan
     return normal, tangential, cone

@@ -15,11 +15,11 @@ class SingularMatrixError(ArithmeticError):
 
 
 class BlockSystem:
-    """Solves for the velocities of the blocks in contact along one list of pairs.
+    """Solves for the velocities of blocks in contact, for one list of pairs.
 
-    ``a`` and ``b`` (n_pairs,) are the bodies of each pair, ``mass`` (n, n_dof) [kg, kg m2] is zero
-    on ``fixed`` bodies (n,); ``place`` (n, dim) [m], about where the bodies are, is for the order
-    of elimination.
+    ``a`` and ``b`` (n_pairs,) are the bodies of each pair.  ``mass`` (n, n_dof) [kg, kg m2] is zero
+    on ``fixed`` bodies (n,).  ``place`` (n, dim) [m] are approximate places of the bodies, which
+    only determine the order of elimination.
     """
 
     def __init__(
@@ -33,11 +33,11 @@ class BlockSystem:
         self.factors = lu_numeric.allocate(self.structure)
 
     def solve(self, momenta: Array) -> Array:
-        """Velocities (n, n_dof) of momenta that are zero on fixed bodies.
+        """Velocities (n, n_dof) for momenta (n, n_dof) that are zero on fixed bodies.
 
-        Where contacts stick by a stiff penalty beside others that slide, exchanging rows inside
-        blocks alone leaves errors a thousand times those of rounding.  So the residual is solved
-        for once more.
+        Rows are exchanged only inside blocks.  If contacts stick by a stiff penalty beside others
+        that slide, this leaves errors a thousand times those of rounding.  So the solution is
+        corrected once by solving for its residual.
 
         Raises `SingularMatrixError`.
         """
@@ -45,14 +45,14 @@ class BlockSystem:
         return self.solve_again(momenta)
 
     def factorise(self) -> None:
-        """For `solve_again`; raises `SingularMatrixError`."""
+        """Factorise the matrix for `solve_again`; raises `SingularMatrixError`."""
         structure, factors = self.structure, self.factors
         pivot = lu_numeric.factorise(structure, *self.tangent, factors, self.mass, self.unheld, 0.0)
         if pivot == 0.0:
             raise SingularMatrixError
 
     def solve_again(self, momenta: Array) -> Array:
-        """`solve`, with the matrix that was factorised last."""
+        """`solve` with the factors of the last factorisation."""
         structure, factors = self.structure, self.factors
         velocity, left = momenta[None].copy(), momenta[None].copy()
         lu_numeric.solve(structure, factors, velocity)

@@ -1,11 +1,11 @@
 """LU of matrices made of one dense block per body and two per pair of bodies.
 
-`linear.order` orders the bodies, `linear.symbolic` finds the pattern of the
-factors.  Rows are exchanged only inside a body's own block, so that all but the numbers is found
-once per list of pairs.
+`linear.order` orders the bodies, and `linear.symbolic` finds the pattern of the factors.  Rows are
+exchanged only inside a body's own block.  So the pattern is the same for all matrices of one list
+of pairs, and is found once.
 
-It stands beside SuperLU for its speed.  A factorisation and one solution, for walls in running bond
-with three unknowns a block, take on one core (medians of process time)
+The reason not to use SuperLU is speed.  A factorisation and one solution, for walls in running bond
+with three unknowns per block, take on one core (medians of process time)
 
     blocks                        49         500
     this                       0.027 ms    0.52 ms
@@ -13,7 +13,7 @@ with three unknowns a block, take on one core (medians of process time)
     SuperLU, order known       0.16  ms    1.8  ms
     LAPACK, dense              0.095 ms
 
-Besides, it tells the sign of the determinant and which body's pivot is wrong.
+In addition, the sign of the determinant is known, and the bodies whose pivots are negative.
 """
 
 from __future__ import annotations
@@ -40,11 +40,12 @@ from drystone.linear.symbolic import (
 
 
 class Factors(NamedTuple):
-    """Memory of A = (L + D) (I + U), D being blocks on the diagonal, and of finding it."""
+    """Memory for the factors A = (L + D) (I + U), with the diagonal blocks D, and for their
+    calculation."""
 
-    panels: Array  # of each front its bodies' rows of L, D and U, then L below them, transposed
-    inverse: Array  # (n_movable, n_dof, n_dof) of D
-    work: Array
+    panels: Array  # for each front, its bodies' rows of L, D and U; then L below them, transposed
+    inverse: Array  # (n_movable, n_dof, n_dof) inverse of D
+    work: Array  # scratch memory
 
 
 def allocate(structure: Structure) -> Factors:
@@ -61,7 +62,8 @@ def allocate(structure: Structure) -> Factors:
 
 @njit(cache=True, error_model="numpy")
 def add_rows(to, t, to_stride, source, s, stride, n, m):
-    """Add a matrix (n, m) to another; both are parts of flat arrays, from ``s`` and ``t`` on."""
+    """Add a matrix (n, m) to another one.  Both are parts of flat arrays: ``source`` from ``s`` on,
+    ``to`` from ``t`` on."""
     for _ in range(n):
         x, y = to[t : t + m], source[s : s + m]
         for j in range(m):
@@ -74,8 +76,8 @@ def add_rows(to, t, to_stride, source, s, stride, n, m):
 def subtract_product(c, c_at, left, left_at, right, right_at, size):
     """C -= L R with ``size`` (n, p, m): C (n, m), L (n, p), R (p, m).
 
-    Each is part of a flat array: ``_at`` tells from where on, the stride down and, of L, that along
-    its rows.  ``n`` and ``p`` are multiples of `TILE`.
+    Each is part of a flat array.  Its ``_at`` holds the first index, the stride from row to row
+    and, for L, the stride along a row.  ``n`` and ``p`` are multiples of `TILE`.
     """
     n, p, m = size
     at, stride = c_at
@@ -108,9 +110,9 @@ def subtract_product(c, c_at, left, left_at, right, right_at, size):
 
 @njit(cache=True, error_model="numpy")
 def multiply_rows(dof, block, c, at, stride, m, scratch):
-    """Multiply ``m`` columns of a matrix, part of a flat array, by a small one from the left."""
+    """Multiply ``m`` columns of a matrix, part of a flat array, by a small matrix from the left."""
     nd = len(dof)
-    if nd == TILE:  # in registers: without this, factorisations in the plane take 1.2 to 1.3 times
+    if nd == TILE:  # in registers; without it, the plane's factorisations take 1.2 to 1.3 times
         b00, b01, b02 = block[0, 0], block[0, 1], block[0, 2]
         b10, b11, b12 = block[1, 0], block[1, 1], block[1, 2]
         b20, b21, b22 = block[2, 0], block[2, 1], block[2, 2]
@@ -149,7 +151,7 @@ def invert(dof, matrix, scale):
             if i > k and abs(matrix[i, k]) > abs(matrix[best, k]):
                 best = i
         ratio = abs(matrix[best, k]) / size
-        if not ratio > 0.0:  # also where it is not a number
+        if not ratio > 0.0:  # also if it is NaN
             return 0.0
         smallest = min(smallest, ratio)
         exchanged |= best << (4 * k)
@@ -178,7 +180,7 @@ def invert(dof, matrix, scale):
 
 @njit(cache=True, error_model="numpy")
 def assemble(structure, s, diagonal, upper, lower, factors):
-    """Fill a front with blocks of the matrix and what is left of the fronts below."""
+    """Fill front ``s`` with blocks of the matrix and the update matrices of the fronts below."""
     nd = len(structure.dof)
     order, fronts, _, runs, entries, _ = structure
     panels, _, work = factors
@@ -238,8 +240,8 @@ def assemble(structure, s, diagonal, upper, lower, factors):
 def factorise_fronts(
     structure, low, high, scratch_at, diagonal, upper, lower, factors, mass, damping, least
 ):
-    """`factorise` fronts ``low`` to ``high``, those below them being done, with scratch memory from
-    ``scratch_at`` on."""
+    """`factorise` the fronts ``low`` to before ``high``; those below them must be done.  Scratch
+    memory begins at ``scratch_at``."""
     nd = len(structure.dof)
     order, fronts = structure.order, structure.fronts
     panels, inverse, work = factors
@@ -265,7 +267,7 @@ def factorise_fronts(
             more = least
             lacking = ratio < 0.0
             while lacking and 0.0 < more < MOST_RAISED * least:
-                # Once more when it is positive: what is hardly so upsets what it is joined to.
+                # Once more after the pivot is positive: a tiny pivot would upset other bodies.
                 lacking = ratio < 0.0
                 damping[body] += more
                 for x in range(nd):
@@ -301,13 +303,14 @@ def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
     """Factorise the matrix of the blocks ``diagonal`` (n, n_dof, n_dof), ``upper`` (n_pairs, n_dof,
     n_dof) in the rows of a and columns of b, and ``lower`` in the rows of b and columns of a.
 
-    Where ``least`` is positive, pivots with a negative determinant are regularised: the ``mass``
-    (n, n_dof) of the body is added to the diagonal ``least`` times, or twice as often as makes the
-    determinant positive.  ``damping`` (n,) counts how often.
+    If ``least`` [1/s2] is positive, pivots with a negative determinant are regularised: a multiple
+    of the ``mass`` (n, n_dof) of the body is added to the diagonal.  The multiple is at least
+    ``least``, and twice the one that makes the determinant positive.  It is added to ``damping``
+    (n,) [1/s2].
 
     Returns the smallest pivot over the largest entry of its column in the body's own block, at most
-    1, with the sign of the determinant; 0, with the factors unusable, for singular matrices and
-    such as hold NaN.
+    1, with the sign of the determinant.  Returns 0, with unusable factors, for singular matrices
+    and for matrices with NaN.
     """
     n_fronts = structure.fronts.shape[0] - 1
     scratch_at = structure.fronts[n_fronts, UPDATE]
@@ -318,8 +321,8 @@ def factorise(structure, diagonal, upper, lower, factors, mass, damping, least):
 
 @njit(cache=True, error_model="numpy")
 def _subtract_known(panels, at, stride, known, rest):
-    """Subtract from the first six unknowns what known ones add to their rows: as many sums at once
-    as hide each other's waiting."""
+    """Subtract the products of six rows with the ``known`` unknowns from ``rest`` (6,).  Six sums
+    are formed at once, so that none waits for its last term."""
     m = known.shape[0]
     u0, u1, u2 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
     at += 3 * stride
@@ -338,7 +341,8 @@ def _subtract_known(panels, at, stride, known, rest):
 
 @njit(cache=True, error_model="numpy")
 def _subtract_sums(panels, at, stride, known, rest, d):
-    """The same of three unknowns, sums first."""
+    """The same for three rows, from ``rest[d]`` on; the sums are formed before they are
+    subtracted."""
     m = known.shape[0]
     u0, u1, u2 = panels[at : at + m], panels[at + stride :], panels[at + 2 * stride :]
     s0 = s1 = s2 = 0.0
@@ -353,7 +357,7 @@ def _subtract_sums(panels, at, stride, known, rest, d):
 
 @njit(cache=True, error_model="numpy")
 def _is_zero(x, order, first, w):
-    """Whether a right-hand side (n, n_dof) has nothing for the ``w`` bodies of a front."""
+    """Whether a right-hand side ``x`` (n, n_dof) is zero for the ``w`` bodies of a front."""
     for i in range(first, first + w):
         for d in range(x.shape[1]):
             if x[order[i], d] != 0.0:
@@ -363,8 +367,8 @@ def _is_zero(x, order, first, w):
 
 @njit(cache=True, error_model="numpy")
 def solve(structure, factors, rhs):
-    """Replace each of the right-hand sides ``rhs`` (k, n, n_dof) by its solution, in which fixed
-    bodies have zeros whatever they had before."""
+    """Replace each of the right-hand sides ``rhs`` (k, n, n_dof) by its solution, which is zero for
+    fixed bodies."""
     nd = len(structure.dof)
     order, fronts, border = structure.order, structure.fronts, structure.border
     panels, inverse, work = factors
@@ -379,7 +383,7 @@ def solve(structure, factors, rhs):
         for side in range(rhs.shape[0]):
             x = rhs[side]
             if _is_zero(x, order, first, w):
-                continue  # of a side with forces on two bodies, few fronts are reached
+                continue  # if forces act on few bodies, few fronts have work
             below[:] = 0.0
             for i in range(w):
                 body = order[first + i]
@@ -438,9 +442,9 @@ def solve(structure, factors, rhs):
 
 @njit(cache=True)
 def residual(structure, a, b, fixed, diagonal, upper, lower, x, rhs):
-    """Subtract A x from ``rhs``, both (k, n, n_dof) and zero on fixed bodies.
+    """Subtract A x from ``rhs``; ``x`` and ``rhs`` are (k, n, n_dof), and zero on fixed bodies.
 
-    It tells how good a solution is; solved for, it is what the solution lacks.
+    The result is the residual of the solution x; solving for it gives the correction of x.
     """
     nd = len(structure.dof)
     for side in range(rhs.shape[0]):

@@ -1,7 +1,7 @@
-"""Order in which bodies are eliminated: nested dissection by their places.
+"""Order in which bodies are eliminated: nested dissection by their places (George 1973).
 
-Bodies are cut in two where the fewest are joined across the cut; those come last, and so on inside
-the halves (George 1973).
+The bodies are cut into two halves where the fewest bodies are joined across the cut.  These bodies
+come last.  The halves are cut in the same way.
 """
 
 from __future__ import annotations
@@ -13,7 +13,11 @@ from drystone.common.compiled import njit
 
 @njit(cache=True)
 def neighbours(n, row, a, b):
-    """Movable neighbours of each of ``n`` movable bodies, and pairs they are neighbours by."""
+    """Movable neighbours of each of ``n`` movable bodies, and the pairs that join them.
+
+    ``row`` holds for each body its row among the movable ones, or -1.  Returns where each body
+    begins in the two lists (n + 1,), the neighbours, and the pairs.
+    """
     start = np.zeros(n + 1, np.int64)
     for p in range(a.shape[0]):
         if row[a[p]] >= 0 and row[b[p]] >= 0:
@@ -36,10 +40,10 @@ def neighbours(n, row, a, b):
 
 @njit(cache=True)
 def best_cut(start, other, part, line, side, across):
-    """Where to cut a ``line`` of bodies such that the fewest are joined to the other side.
+    """Find the cut of a ``line`` of bodies at which the fewest bodies are joined to the other side.
 
-    Returns that number, larger for unequal halves, how many bodies come before the cut, and the
-    side they are on.
+    Returns this number, increased for unequal halves; the number of bodies before the cut; and the
+    side on which the joined bodies are.
     """
     m = line.shape[0]
     best, cut, edge = np.inf, 0, 0
@@ -73,7 +77,8 @@ def best_cut(start, other, part, line, side, across):
 
 @njit(cache=True)
 def dissect(start, other, lines):
-    """Order of elimination: halves, then the bodies between them, and so on inside the halves.
+    """Order of elimination (n,): both halves, then the bodies between them; the same within the
+    halves.
 
     ``lines`` (dim, n) hold the bodies sorted by each coordinate, and are rearranged.
     """

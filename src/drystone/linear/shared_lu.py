@@ -1,7 +1,8 @@
-"""Factorisations shared by threads: subtrees of fronts do not depend on each other.
+"""Factorisations shared by threads, which is possible because subtrees of fronts are independent.
 
-Each subtree has memory of its own for what waits for the front above it; what the subtrees hang on
-is factorised at the end.  Every front is given the same numbers as without threads.
+Each subtree has its own memory for the parts that wait for the front above it.  The fronts above
+all subtrees are factorised at the end.  The results are the same as without threads, to the last
+bit.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from drystone.linear.symbolic import (
     cost,
 )
 
-#: Subtrees are parted further as long as that gains, up to so many times.
+#: Largest number of times that a subtree is divided to balance the threads.
 MOST_PARTED = 40
 
 
 class SharedLU:
-    """Factors of matrices of one structure, found by as many threads as gain."""
+    """Factors of matrices of one structure, calculated by several threads if that is faster."""
 
     def __init__(self, structure: Structure, team: Team) -> None:
         self.team = team
@@ -48,7 +49,7 @@ class SharedLU:
         for k, (low, high) in enumerate(subtrees):
             fronts[low:high, UPDATE] += (k + 1) * waiting
         own = len(self.factors.work) - waiting
-        #: Where the memory of each thread begins that no front keeps anything in.
+        #: Begin of the scratch memory of each thread.
         self.scratch = [(len(subtrees) + 1) * waiting + k * own for k in range(self.team.number)]
         self.structure = structure._replace(fronts=fronts)
         self.factors = self.factors._replace(work=np.zeros(self.scratch[-1] + own))
@@ -96,7 +97,7 @@ class SharedLU:
 
 
 def _times(structure: Structure) -> Array:
-    """Of each front [ns]."""
+    """Time of each front [ns], (n_fronts,)."""
     fronts, nd = structure.fronts, len(structure.dof)
     width, joined = np.diff(fronts[:, FIRST]), np.diff(fronts[:, BORDER])
     return np.array([cost(w, r, nd) for w, r in zip(width, joined, strict=True)])
@@ -105,10 +106,10 @@ def _times(structure: Structure) -> Array:
 def _parted(
     fronts: IntArray, times: Array, n: int
 ) -> tuple[list[tuple[int, int]], list[list[int]]]:
-    """Subtrees as ranges of fronts, and which of them each of up to ``n`` threads does.
+    """Subtrees as ranges of fronts, and the subtrees of each of up to ``n`` threads.
 
-    The dearest subtree is taken apart into those below its top, again and again; that state is
-    kept in which the whole is done first.
+    The most expensive subtree is repeatedly divided into the subtrees below its top.  The division
+    with the shortest total time is kept.
     """
     count = len(times)
     size, total = np.ones(count, np.int64), times.copy()

@@ -1,7 +1,8 @@
 """Pattern of the factors of a matrix made of blocks, found once per list of pairs of bodies.
 
-The multifrontal method eliminates bodies in fronts: groups of them in one dense matrix with the
-later ones they are joined to (Duff and Reid 1983).  `linear.numeric` says what with.
+The multifrontal method eliminates bodies in fronts (Duff and Reid 1983).  A front is a dense matrix
+of a group of bodies and of the later bodies to which they are joined.  `linear.numeric` calculates
+with these fronts.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from drystone.common.compiled import njit
 from drystone.common.tolerances import CALL_TIME, MULTIPLICATION_TIME
 from drystone.linear.order import dissect, neighbours
 
-#: Columns of `Structure.fronts`.  Of the first four a front ends where the next one begins.
+#: Columns of `Structure.fronts`.  The first four are offsets: a front ends where the next begins.
 FIRST, BORDER, ENTRY, PANEL, UPDATE, N_RUNS, CHILD, SIBLING = range(8)
-#: Rows and columns of dense matrices that are taken at once: as many as fit into a processor's
-#: registers and divide a body's degrees of freedom in the plane (3) and in space (6).
+#: Number of rows and columns of dense matrices that are processed at once.  They fit into the
+#: registers of a processor, and the number divides the degrees of freedom of a body in the plane
+#: (3) and in space (6).
 TILE = 3
-#: Time a front takes [ns]: each, per entry, per product; rough, as the best is flat.
+#: Time of a front [ns]: constant, per entry, per product.  Rough values suffice, because the
+#: optimum is flat.
 COST = (CALL_TIME, 0.5, MULTIPLICATION_TIME)
 
 
@@ -29,10 +32,10 @@ class Structure(NamedTuple):
 
     order: IntArray  # (n,) bodies as they are eliminated, then the fixed ones
     fronts: IntArray  # (n_fronts + 1, 8) offsets and tree; a front comes after those below it
-    border: IntArray  # later bodies that fronts are joined to
-    runs: IntArray  # (n_border, 3) place in ``border``, place in the front above, and how many
+    border: IntArray  # (n_border,) later bodies to which fronts are joined
+    runs: IntArray  # (n_border, 3) place in ``border``, place in the front above, number of bodies
     entries: IntArray  # (n_entries, 4) pair, places of its bodies in the front, whether a is first
-    dof: tuple[int, ...]  # as long as a body has degrees of freedom, which compilers so know
+    dof: tuple[int, ...]  # its length is a body's number of degrees of freedom, see `contact.rows`
 
 
 class Tangent(NamedTuple):
@@ -44,13 +47,14 @@ class Tangent(NamedTuple):
 
     @classmethod
     def zeros(cls, n: int, n_pairs: int, n_dof: int) -> Tangent:
-        """That of nothing."""
+        """A matrix of zeros."""
         return cls(*(np.zeros((count, n_dof, n_dof)) for count in (n, n_pairs, n_pairs)))
 
 
 @njit(cache=True)
 def elimination_tree(start, other, order):
-    """First later place that each place is joined to in the factors, or -1, and how many."""
+    """For each place in the order: the first later place to which it is joined in the factors, or
+    -1; and the number of such later places."""
     n = order.shape[0]
     position = np.empty(n, np.int64)
     for i in range(n):
@@ -80,9 +84,9 @@ def cost(w, r, nd):
 
 @njit(cache=True)
 def gather_fronts(parent, count, nd):
-    """Join bodies to the front above where that saves time, and number the fronts.
+    """Merge bodies with the front above if that saves time, and number the fronts.
 
-    Returns the front of each place, and of each front its last place and its depth.
+    Returns the front of each place; and for each front its last place and its depth in the tree.
     """
     n = parent.shape[0]
     width = np.ones(n, np.int64)
@@ -136,7 +140,7 @@ def gather_fronts(parent, count, nd):
 
 @njit(cache=True)
 def symbolic(start, other, pair, order, row_a, nd, parent, count, front, top, depth):
-    """The parts of a `Structure`, bodies being rows among the movable ones."""
+    """The parts of a `Structure`; bodies are given as rows among the movable bodies."""
     n = order.shape[0]
     n_fronts = top.shape[0]
     fronts = np.zeros((n_fronts + 1, 8), np.int64)
@@ -203,7 +207,8 @@ def symbolic(start, other, pair, order, row_a, nd, parent, count, front, top, de
                     entries[n_entries, 2] = local[position[other[e]]]
                     entries[n_entries, 3] = row_a[pair[e]] == v
                     n_entries += 1
-        # What is left of a front waits for the front above on one of two stacks, by depth.
+        # The update matrix of a front waits for the front above on one of two stacks: one for even
+        # depths, one for odd.
         odd = depth[s] % 2
         fronts[s, UPDATE] = used[odd]
         used[odd] += (nd * r) ** 2
@@ -238,11 +243,11 @@ def analyse(a: IntArray, b: IntArray, fixed: BoolArray, place: Array, n_dof: int
     Parameters
     ----------
     a, b
-        Bodies of each pair, (n_pairs,); what joins a fixed body is left out.
+        Bodies of each pair, (n_pairs,); pairs with a fixed body are left out.
     fixed
         (n,) bodies that do not move.
     place
-        (n, dim) about where the bodies are [m]; it decides on speed and memory only.
+        (n, dim) [m] approximate places of the bodies; they affect only speed and memory.
     n_dof
         Degrees of freedom of a body, a multiple of `TILE`.
     """
