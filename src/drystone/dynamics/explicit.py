@@ -4,16 +4,16 @@ Semi-implicit Euler (central differences with velocities at half steps):
 
     v <- v + dt M^-1 (f - damping),        x <- x + dt v
 
-Between two searches the features of every contact are frozen: which vertex against which edge, or
-which point against which plane, with which tributary area.  The gap is then a function of the poses
-alone, and the shear force grows with the sliding velocity,
+Between two searches for contacts, the features of every contact stay the same: its vertex and edge,
+or point and plane, and its tributary area.  The gap is then a function of the poses alone, and the
+shear changes with the sliding velocity,
 
     r_n = k_n (d - g)          r_t <- r_t - k_s dt (grad slip . v)
 
-with dilation d; it is kept in the axes of the contact and turns with them.  The joint law is that
-of `law.return_map`.  What the dimension makes of it, contacts and poses, is in `plane.explicit` and
-`space.explicit`, which have the same functions; a run takes the one or the other by `form_of`,
-compiled cycles by the length of ``dof``.
+with dilation d.  The shear is kept in the axes of the contact, and turns with them.  The joint law
+is that of `law.return_map`.  Contacts and poses differ between plane and space.  Their kernels are
+in `plane.explicit` and `space.explicit`, which have the same functions.  A run chooses between them
+with `form_of`, compiled cycles by the length of ``dof``.
 """
 
 from __future__ import annotations
@@ -37,24 +37,24 @@ from drystone.model.tie_kernels import add_forces, age, locate
 MULTIPLIER, FRICTION_WORK, DAMPING_WORK, LOAD_WORK, RESIDUAL, CYCLES = 0, 1, 2, 3, 4, 5
 N_METER = 6
 
-#: Why `cycle` returned.
+#: Why `cycle` returned: all cycles are done; a body has moved far; all forces balance.
 DONE, MOVED, BALANCED = 0, 1, 2
 
-#: Cycles between two looks at the residual.
+#: Cycles between two evaluations of the residual.
 LOOK = 25
 
 
 def form_of(dof: tuple[int, ...]) -> ModuleType:
-    """What the dimension makes of cycles: `plane.explicit` or `space.explicit`."""
+    """The module of the dimension: `plane.explicit` or `space.explicit`."""
     return plane if len(dof) == 3 else space
 
 
 class FrozenContacts(NamedTuple):
-    """Contacts that are watched between two searches, packed; row c belongs to ``slot[c]``."""
+    """Contacts between two searches, packed; row c belongs to ``slot[c]``."""
 
     slot: IntArray  # (n_contacts,)
     edge: IntArray  # (n_contacts,) body that owns the normal
-    other: IntArray  # (n_contacts,)
+    other: IntArray  # (n_contacts,) the other body
     shape: Array  # (n_contacts, N_SHAPE), of `form_of`
     law: Array  # (n_contacts, N_LAW), as the table of laws; see `PER_AREA`
     history: Array  # (n_contacts, N_HISTORY + dim - 2)
@@ -63,7 +63,7 @@ class FrozenContacts(NamedTuple):
 
     @classmethod
     def empty(cls, n: int, dim: int, n_shape: int) -> FrozenContacts:
-        """Memory for a number of contacts."""
+        """Memory for ``n`` contacts."""
         return cls(
             slot=np.zeros(n, np.int64),
             edge=np.zeros(n, np.int64),
@@ -77,7 +77,7 @@ class FrozenContacts(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What evolves in the cycles."""
+    """The variables that evolve in the cycles."""
 
     pose: Array  # (n, n_pose) m, rad
     velocity: Array  # (n, n_dof) m/s, rad/s, half a step behind the pose
@@ -85,19 +85,19 @@ class Motion(NamedTuple):
     force: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle
     last: Array  # (n, n_dof) N, N m, unbalanced, of the last cycle with combined damping
     mean: Array  # (n, n_dof) sum of the unbalanced forces over the cycles
-    opposed: Array  # (n, n_dof) sum over the cycles of what opposes them: inertia and damping
+    opposed: Array  # (n, n_dof) sum over the cycles of the forces of inertia and damping
 
     @classmethod
     def of(
         cls, pose: Array, velocity: Array, rotation: plane.Rotations | space.Rotations
     ) -> Motion:
-        """Copies of poses and velocities, and the rotations that go with them."""
+        """The variables from copies of poses (n, n_pose) and velocities (n, n_dof)."""
         sums = (np.zeros_like(velocity) for _ in range(4))
         return cls(pose.copy(), velocity.copy(), rotation, *sums)
 
 
 class Loads(NamedTuple):
-    """What does not change in the cycles."""
+    """The data that do not change in the cycles."""
 
     centroid: Array  # (n, dim) m, as designed
     dead: Array  # (n, n_dof) N, N m
@@ -109,7 +109,7 @@ class Loads(NamedTuple):
 
 @njit(cache=True)
 def _pack(slots, pairs, laws, thickness, history, contacts):
-    """Slots, laws and histories of ``contacts``; returns their number."""
+    """Fill slots, laws and histories of ``contacts``; returns their number."""
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     slot, law, known = contacts.slot, contacts.law, contacts.history
@@ -136,7 +136,7 @@ def _pack(slots, pairs, laws, thickness, history, contacts):
 
 @njit(cache=True)
 def unpack(contacts, n_contacts, history, reaction, status):
-    """Histories, reactions and status of the contacts, to their slots."""
+    """Copy histories, reactions and status of the contacts to their slots."""
     slot = contacts.slot
     history[:] = 0.0
     reaction[:] = 0.0
@@ -159,9 +159,10 @@ def pack(form, slots, bodies, pairs, laws, thickness, history, contacts):
 
 @njit(cache=True)
 def stiffness_blocks(dof, contacts, acts, blocks):
-    """Add 2 sum k h h^T over the contacts of each body, (n, n_dof, n_dof); h are the gradients.
+    """Add 2 sum k h h^T over the contacts of each body to ``blocks`` (n, n_dof, n_dof); h are the
+    gradients of gap and slips.
 
-    Contacts that do not ``act`` (n_contacts,) are left out.
+    Only contacts that are true in ``acts`` (n_contacts,) count.
     """
     n_dof = len(dof)
     which, rows, table = contacts
@@ -188,25 +189,27 @@ class Drive(NamedTuple):
     """How cycles are driven, and when they end."""
 
     dt: float  # s
-    multiplier: float  # load multiplier; where guided only a start
-    keep_bonds: bool  # whatever they carry: vibrations must break none that would bear at rest
+    multiplier: float  # load multiplier; if guided, only its start
+    # Whether bonds stay intact: vibrations must not break bonds that would bear the load at rest.
+    keep_bonds: bool
     guided: bool  # see `cycle`
-    rate: float  # N m/s, F.v of the guided pattern
-    combined: bool  # damping is combined, see `cycle`
+    rate: float  # N m/s, F.v if guided
+    combined: bool  # whether damping is combined, see `cycle`
     local_damping: float  # share of the unbalanced force
-    viscous_damping: float  # 1/s by which velocities are damped, in proportion to mass
-    tolerance: float  # `BALANCED` when no block's unbalanced force, or moment over extent, exceeds
-    # this share of its weight; negative: never
-    reach: float  # m, `MOVED` when a body has moved so far from where it was searched
-    gyroscopic: bool  # in space bodies rotate by their own moments of inertia, not scaled ones
+    viscous_damping: float  # 1/s, damping of velocities in proportion to mass
+    # Largest unbalanced force of a block, or moment over extent, over its weight, at which cycles
+    # end as `BALANCED`; negative: never.
+    tolerance: float
+    reach: float  # m, motion of a body since the last search at which cycles end as `MOVED`
+    gyroscopic: bool  # in space: whether bodies rotate with their real moments of inertia
 
 
 @njit(cache=True, inline="always")
 def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
-    """Bring velocities on by the unbalanced forces, damped.
+    """Update the velocities by the damped unbalanced forces.
 
-    Returns the damping's work [J], added to what it was, F.v, and the square of the largest
-    unbalanced force, over the block's weight, where there is a ``look`` at it.
+    Returns the accumulated work of damping [J]; F.v [N m/s]; and, with ``look``, the square of the
+    largest unbalanced force over the block's weight.
     """
     velocity, force, last = motion.velocity, motion.force, motion.last
     mean, opposed = motion.mean, motion.opposed
@@ -260,7 +263,8 @@ def _accelerate(n_dof, motion, loads, drive, applied, look, damping_work):
 
 @njit(cache=True, inline="always")
 def _steer(n_dof, motion, loads, drive, applied, steer, load_work):
-    """Steer velocities, where they are guided; the loads' work [J], added to what it was."""
+    """Correct the velocities by ``steer`` times M^-1 F if they are guided; returns the accumulated
+    work of the loads [J]."""
     velocity, dt, guided = motion.velocity, drive.dt, drive.guided
     dead, pattern, inverse_mass = loads.dead, loads.pattern, loads.inverse_mass
     for i in range(velocity.shape[0]):
@@ -277,16 +281,16 @@ def _steer(n_dof, motion, loads, drive, applied, steer, load_work):
 
 @njit(cache=True)
 def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, meter, ties):
-    """Run cycles in place until one of three things happens; returns what, and the cycles run.
+    """Run cycles in place until one of three events; returns the event and the cycles run.
 
-    Where they are guided, the multiplier is the force that keeps the pattern's own displacement on
-    its course: F.v is the rate given at every half step.  From M a = f + lambda F and F.a = 0,
+    If cycles are guided, the multiplier is the unknown force that keeps F.v, the velocity along the
+    load pattern F, at the given rate at every half step.  From M a = f + lambda F and F.a = 0,
     lambda = -F.M^-1 f / F.M^-1 F.
 
-    Local damping is a share of the unbalanced force that is taken off where it drives the motion,
-    and added where it brakes it (Cundall's damping), for every degree of freedom by itself:
-    - alpha |f| sgn(v).  Combined, it is alpha |f| (sgn(df) - sgn(v)) / 2, which damps what vibrates
-    upon a steady motion, and brakes the motion itself less.
+    Local damping (Cundall) is a share of the unbalanced force, separately for every degree of
+    freedom: - alpha |f| sgn(v).  It is subtracted from a force that drives the motion, and added to
+    a force that brakes it.  Combined damping is alpha |f| (sgn(df) - sgn(v)) / 2.  It damps
+    vibrations about a steady motion, and brakes the motion itself less.
 
     Parameters
     ----------
@@ -301,14 +305,14 @@ def cycle(dof, contacts, n_contacts, motion, loads, origin, drive, n_cycles, met
     drive
         `Drive`.
     n_cycles
-        Return `DONE` after so many.
+        Number of cycles after which `DONE` is returned.
     meter
-        (N_METER,) multiplier of the last cycle; work done by friction, damping and loads, added
-        to [J]; largest unbalanced force over the block's weight when last looked at; cycles so
-        far.
+        (N_METER,) multiplier of the last cycle; accumulated work of friction, damping and loads
+        [J]; last evaluated largest unbalanced force over the block's weight; cycles so far.
     ties
-        `model.tie_kernels.Ties`.  They yield and break in the cycles unless bonds are kept; else
-        yielding counts from where the cycles began, so that vibrations have no lasting effect.
+        `model.tie_kernels.Ties`.  They yield and break in the cycles, unless bonds are kept.  If
+        bonds are kept, yielding counts from the start of the cycles, so that vibrations have no
+        lasting effect.
     """
     n_dof = len(dof)
     force, dead, pattern, inverse_mass = motion.force, loads.dead, loads.pattern, loads.inverse_mass

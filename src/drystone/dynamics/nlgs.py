@@ -1,10 +1,10 @@
-"""Non-linear Gauss-Seidel with an active-set accelerator, to a true residual.
+"""Non-linear Gauss-Seidel with an active-set accelerator, up to a given residual of the equations.
 
-The stiffer the joints are against the blocks' inertia, the more slowly sweeps converge.  So, after
-a few sweeps, Newton's method on the blocks' velocities is tried from there, with the branches of
-the joint law that the sweeps have found: open, sticking, sliding in either direction.  Its result
-is used if it lowers the true residual.  Else the sweeps continue from where they were, so that the
-accelerator can only help.
+The stiffer the joints are relative to the inertia of the blocks, the more slowly sweeps converge.
+So, after a few sweeps, Newton's method on the velocities of the blocks is tried, with the branches
+of the joint law that the sweeps have found: open, sticking, sliding in either direction.  Its
+result is used if it lowers the residual.  Otherwise the sweeps continue from where they were, so
+that the accelerator can only help.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ from drystone.linear.block_system import BlockSystem, SingularMatrixError
 class NlgsSettings:
     """When to stop, and how sweeps and accelerator alternate."""
 
-    tolerance: float  # N, on the true residual
+    tolerance: float  # N, on the residual
     max_sweeps: int = 6000
-    max_sweeps_in_space: int = 300  # what is not found from within by then asks for a shorter step
+    max_sweeps_in_space: int = 300  # if the interior-point method has failed, shorten the step
     first_sweeps: int = 20  # before the accelerator is first tried
     corrections: int = 15  # of the branches, each with a linear solution
-    # Penalty stiffnesses of sticking contacts, used one after another, over the stiffest joint or,
-    # in short steps, the largest mass at a contact.  Soft ones are tried where Newton's method does
-    # not converge: they forgive wrong branches.  Stiff ones fix forces that a very small slip
-    # decides.
+    # Penalty stiffness of sticking contacts, used one after another; over the stiffest joint or, in
+    # short steps, the largest mass at a contact.  If Newton's method does not converge, a softer
+    # series is tried, which tolerates wrong branches.  Stiff ones are needed for forces that depend
+    # on a very small slip.
     penalties: tuple[tuple[float, ...], ...] = (
         (STIFF_PENALTY,) * 4 + (STIFFER_PENALTY,) * 2 + (STIFFEST_PENALTY,) * 2,
         (SOFT_PENALTY,) * 12,
@@ -61,7 +61,7 @@ class NlgsSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class NlgsResult:
-    """Impulses and velocities with the residual they were measured to have."""
+    """Impulses and velocities, with their residual."""
 
     impulse: Array  # (n_contacts, dim) N s
     velocity: Array  # (n, n_dof) m/s, rad/s
@@ -70,24 +70,27 @@ class NlgsResult:
     n_corrections: int
 
 
-#: What leads from known impulses to better ones: impulses and velocities, trial after trial.
+#: A method to improve known impulses: it yields impulses and velocities, trial after trial.
 Attempt = Callable[[Array], Iterator[tuple[Array, Array]]]
 
-#: Corrections of a trial that is given up soon.
+#: Largest number of corrections of a trial that is given up soon.
 AT_ONCE = 6
 
-#: How often it is tried to leave the interior of the law.
+#: How often Newton's method is tried from iterates of the interior-point method.
 MOST_TRIED = 4
 
 
 def form_of(dof: tuple[int, ...]) -> ModuleType:
-    """What the dimension makes of sweeps and of the law: `plane.sweeps` or `space.sweeps`."""
+    """The module of the dimension: `plane.sweeps` or `space.sweeps`."""
     return plane if len(dof) == 3 else space
 
 
 def natural_map(problem: ContactProblem, dim: int, h: float) -> Array:
-    """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts, which enter their shear stiffness:
-    the force that would move a contact by its slip in a step of size ``h`` [s]."""
+    """Delassus blocks (n_contacts, dim, dim) [1/kg] of contacts.
+
+    The table of the contacts gets the shear stiffness of the natural map: the force that would move
+    a contact by its slip in a step of ``h`` [s], over the slip.
+    """
     blocks = np.zeros((len(problem.gap), dim, dim))
     kernels.delassus_blocks(dof_of(problem.inverse_mass), problem, blocks)
     easiest = np.einsum("kii->ki", blocks)[:, 1:].max(axis=1, initial=TINY)
@@ -111,16 +114,16 @@ def solve(
     Parameters
     ----------
     problem
-        Contacts of the step, of pairs that ``system`` was made of; as their shear stiffness is
-        entered that of the natural map: the force that would move a contact by its slip.
+        Contacts of the step, of the pairs of ``system``.  Their table gets the shear stiffness of
+        the natural map, see `natural_map`.
     extent
         (n,) m, by which moments are divided.
     free_velocity
         Velocities without contacts at the end of the step, (n, n_dof).
     impulse
-        Warm start, (n_contacts, dim) [N s].
+        Impulses to begin with, (n_contacts, dim) [N s].
     guess
-        Velocities that the accelerator is first tried from, (n, n_dof), as of a similar step.
+        First velocities for the accelerator, (n, n_dof), for instance those of a similar step.
     h
         Time step [s].
     """
@@ -140,7 +143,7 @@ def solve(
         velocity = step.velocity_of(impulse)
         accelerator.form.sweep(step.dof, problem, blocks, h, order, chunk, impulse, velocity)
         n_sweeps += chunk
-        velocity = step.velocity_of(impulse)  # rounding of the running sums does not pile up
+        velocity = step.velocity_of(impulse)  # calculated anew, without accumulated rounding
         residual = step.residual(impulse, velocity)
         if residual <= settings.tolerance:
             break
@@ -165,20 +168,20 @@ def friction_work(
     h: float,
     ties: TieImpulses | None = None,
 ) -> list[float]:
-    """By how much the work of friction in a step changes with each of some loads more [J].
+    """Changes of the work of friction in a step by each of several additional loads [J].
 
-    A load that presses a sliding joint raises its friction.  Under a load F more, on the branches
-    of the step, velocities v and impulses p change by
+    A load that presses a sliding joint raises its friction.  Under an additional load F, with the
+    branches of the step, velocities v and impulses p change by
 
         M dv = h F + H^T dp,        dp_n = -k_n h^2 dv_n,        dp_t = (p_t / p_n) dp_n,
 
-    the last in contacts that slide.  The work of their friction on the motion h u of the step then
+    the last in contacts that slide.  So the work of their friction, on the motion h u of the step,
     changes by dp_t . u.
 
     Parameters
     ----------
     loads
-        Each (n, n_dof) [N, N m].
+        The loads, (n, n_dof) [N, N m] each.
     """
     settings = NlgsSettings(tolerance=0.0)  # nothing is iterated
     accelerator = _Accelerator(problem, system, np.zeros_like(solved.velocity), h, settings, ties)
@@ -199,7 +202,7 @@ def friction_work(
 
 
 class _Step:
-    """The equations of a step: velocities of impulses, and what either leave of it."""
+    """The equations of a step: the velocities that follow from impulses, and the residual."""
 
     def __init__(self, problem, system, extent, free_velocity, h, ties) -> None:
         self.dof = dof_of(system.mass)
@@ -211,7 +214,7 @@ class _Step:
         self.pull_with_ties(self.pulled)
 
     def pull_with_ties(self, velocity: Array) -> None:
-        """Sweep on with the impulses that ties have at velocities (n, n_dof)."""
+        """Set the impulses of the ties to those at velocities (n, n_dof), for the next sweeps."""
         if self.ties:
             self.ties.act(velocity)
             self.pulled = np.zeros_like(velocity)
@@ -219,7 +222,7 @@ class _Step:
             self.pulled *= self.problem.inverse_mass
 
     def velocity_of(self, impulse: Array) -> Array:
-        """Velocities (n, n_dof) that impulses lead to."""
+        """Velocities (n, n_dof) that follow from impulses (n_contacts, dim)."""
         velocity: Array = self.free_velocity + self.pulled
         kernels.apply_impulses(self.dof, self.problem, impulse, velocity)
         return velocity
@@ -227,11 +230,12 @@ class _Step:
     def best(
         self, tries: Iterable[Attempt], known: tuple[Array, Array, float], enough: float
     ) -> tuple[Array, Array, float]:
-        """Impulses, velocities and residual of the first trial that is good ``enough`` [N], or of
-        the best, ``known`` included.  Each attempt begins with the best impulses so far.
+        """Impulses, velocities and residual of the first trial whose residual is at most ``enough``
+        [N]; otherwise of the best trial, ``known`` included.  Each attempt begins with the best
+        impulses so far.
 
-        Velocities are kept beside impulses.  Computed anew from impulses they would make forces of
-        the rounding of an impulse, times the joint's stiffness over the mass.
+        Velocities are kept with their impulses.  If they were calculated from the impulses, the
+        rounding of an impulse would be amplified by the joint's stiffness over the mass.
         """
         for impulse, velocity in (trial for attempt in tries for trial in attempt(known[0])):
             residual = self.residual(impulse, velocity)
@@ -243,7 +247,7 @@ class _Step:
         return known
 
     def residual(self, impulse: Array, velocity: Array) -> float:
-        """The largest distance from balance and from the joint law [N]."""
+        """The largest unbalanced force, or violation of the joint law if that is larger [N]."""
         problem, h, relative = self.problem, self.h, np.zeros_like(impulse)
         kernels.momentum_defect(
             self.dof, problem, self.mass, self.free_velocity, velocity, impulse, self.defect
@@ -264,11 +268,11 @@ class _Step:
 
 
 class _Accelerator:
-    """Newton's method on the velocities, from where the sweeps have come.
+    """Newton's method on the velocities, from the result of the sweeps.
 
-    A stiff spring about the present tangential impulse stands for sticking (a penalty).  Once the
-    branches of the law no longer change, the spring is moved to the new impulse.  That is repeated
-    until no contact slips that sticks.
+    A stiff spring about the present tangential impulse represents sticking (a penalty).  Once the
+    branches of the law no longer change, the spring is centred on the new impulse.  This is
+    repeated until sticking contacts do not slip.
     """
 
     def __init__(self, problem, system, free_velocity, h, settings, ties) -> None:
@@ -292,14 +296,14 @@ class _Accelerator:
     def tries(
         self, before: Array, guess: Array | None, impulse: Array, velocity: Array
     ) -> Iterator[Attempt]:
-        """What to try, one after another.
+        """The attempts to be made, one after another.
 
         Parameters
         ----------
         before, guess
-            Impulses and velocities of a similar step; no velocities where those have been tried.
+            Impulses and velocities of a similar step; no velocities if they have been tried.
         impulse, velocity
-            Where the sweeps have come to.
+            Result of the sweeps.
         """
         if self.form.WITHIN is not None:
             if guess is not None:
@@ -314,14 +318,17 @@ class _Accelerator:
             yield partial(self.trials, velocity=start)
 
     def at_once(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
-        """`trials` that are given up soon: for where next to nothing has changed."""
+        """`trials` that are given up soon, for steps in which next to nothing has changed."""
         return self._moves(impulse.copy(), velocity.copy(), self.penalties[0], AT_ONCE)
 
     def from_within(
         self, impulse: Array, velocity: Array, known: Array
     ) -> Iterator[tuple[Array, Array]]:
-        """`trials` from where the interior-point method leads, see `space.interior`.  The penalty
-        springs are centred on ``impulse`` first; ``known`` impulses are of the usual size."""
+        """`trials` from iterates of the interior-point method, see `space.interior`.
+
+        The penalty springs are first centred on ``impulse``.  The size of ``known`` impulses scales
+        the barrier.
+        """
         pressed = known[known[:, 0] > 0.0, 0]
         if len(pressed) == 0:
             return
@@ -347,7 +354,8 @@ class _Accelerator:
                 return
 
     def trials(self, impulse: Array, velocity: Array) -> Iterator[tuple[Array, Array]]:
-        """Impulses and velocities after each move of the springs; the arrays are reused."""
+        """Yield impulses and velocities each time before the springs are moved; the arrays are
+        reused."""
         for penalties in self.penalties:
             found = False
             for trial in self._moves(impulse.copy(), velocity.copy(), penalties):
@@ -357,10 +365,11 @@ class _Accelerator:
                 return
 
     def predicted(self, impulse: Array, velocity: Array) -> Array:
-        """Velocities on the branches that the impulses of a similar step lie on.
+        """Velocities (n, n_dof) in the branches of the impulses of a similar step.
 
-        In stiff joints, the curvature of a step's motion alone opens what stays shut or presses it
-        many times as much: velocities of the step before are on other branches than its impulses.
+        In stiff joints, the curvature of a step's motion is enough to open closed joints, or to
+        press them many times as much.  So the velocities of the last step belong to other branches
+        than its impulses.
         """
         piece, centre = np.zeros(len(impulse), np.int64), impulse[:, 1:].copy()
         self.form.branches(self.problem, impulse, piece)
@@ -378,9 +387,11 @@ class _Accelerator:
     def under(
         self, loads: Sequence[Array], impulse: Array, velocity: Array
     ) -> tuple[list[Array], BoolArray]:
-        """Changes of the velocities (n, n_dof) under loads more, each (n, n_dof) [N, N m], on the
-        branches that impulses lie on, and whether contacts slide (n_contacts,); no changes where
-        none does.  Raises `SingularMatrixError`."""
+        """Changes of the velocities, (n, n_dof) each, under additional ``loads``, (n, n_dof) [N,
+        N m] each, in the branches of the impulses; and which contacts slide, (n_contacts,).
+
+        The changes are zero if no contact slides.  Raises `SingularMatrixError`.
+        """
         piece, found = np.zeros(len(impulse), np.int64), np.zeros_like(impulse)
         self.form.branches(self.problem, impulse, piece)
         slides = (piece == FORWARD) | (piece == BACKWARD)
@@ -453,8 +464,8 @@ class _Accelerator:
         piece: IntArray,
         most: int | None = None,
     ) -> bool:
-        """Solve for the velocities in place, with at ``most`` so many corrections (None: those of
-        the settings); False where it does not converge."""
+        """Solve for the velocities in place, with at most ``most`` corrections (None: those of the
+        settings); False if this does not converge."""
         none = np.zeros(len(centre), np.bool_)
         merit = self._law(centre, none, velocity, impulse, piece)
         for _ in range(self.corrections if most is None else most):
@@ -466,8 +477,8 @@ class _Accelerator:
                 direction = self._direction(piece)
                 velocity[:] = base + direction
                 trial = self._law(centre, none, velocity, impulse, piece)
-                # A contact that changes from sliding in one direction to the other passes the
-                # narrow band in which it sticks: let it stick, and try again.
+                # A contact that reverses its sliding passes the narrow range in which it sticks.
+                # Let it stick, and try again.
                 for _ in range(8):
                     if trial <= merit:
                         break

@@ -4,11 +4,12 @@ One implicit Moreau-Jean step of size h from velocity v_0,
 
     M (v - v_0) = h (G + lambda F) + H^T p,        q <- q + h v,
 
-with the contact mapping H taken where the step starts, unilateral contact on an elastic joint,
+with the dead load G, the load pattern F, the impulses p of the contacts, and the contact mapping H
+at the start of the step.  Contact is unilateral, on an elastic joint,
 
-    p_n / h = -k_n (g + h u_n) where that is positive, else 0,        u = H v,
+    p_n / h = -k_n (g + h u_n) if this is positive, else 0,        u = H v,
 
-and Coulomb friction on the sliding velocity u_t, without shear stiffness or dilatancy.
+with Coulomb friction on the sliding velocity u_t, without shear stiffness or dilatancy.
 """
 
 from __future__ import annotations
@@ -57,15 +58,15 @@ from drystone.model.ties import TieState
 class NscdSettings:
     """Numerical settings."""
 
-    tolerance: float = NSCD_TOLERANCE  # true residual over the heaviest weight, -
+    tolerance: float = NSCD_TOLERANCE  # residual over the heaviest weight, -
     max_sweeps: int = 6000  # of Gauss-Seidel in one step
-    max_motion: float = 0.5  # share of the detection reach a block may move in one step
-    dead_load_time_step: float = DEAD_LOAD_TIME_STEP  # s
+    max_motion: float = 0.5  # motion of a block in one step over the margin of contact detection
+    dead_load_time_step: float = DEAD_LOAD_TIME_STEP  # s, the first one
 
 
 @dataclass(frozen=True, kw_only=True)
 class NscdState:
-    """Poses, velocities and the reactions that the next step starts from."""
+    """Poses, velocities, and the reactions with which the next step starts."""
 
     prepared: Prepared
     stage: int  # of the dead loads, see `Problem.stages`
@@ -79,12 +80,13 @@ class NscdState:
     departed: BoolArray  # (n,) blocks that have left
     ties: TieState
     support_motion: float = 0.0  # m or rad, by which supports have moved
-    acted: ActedContacts | None = None  # along the normals and tangents of the step's beginning
+    acted: ActedContacts | None = None  # along normals and tangents at the start of the last step
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Loads, masses and the linear system of the blocks that are there, in one stage."""
+    """Loads, masses and linear system of the blocks that have not left, in one stage of the dead
+    loads."""
 
     prepared: Prepared
     stage: int
@@ -96,7 +98,7 @@ class System:
 
     @classmethod
     def of(cls, state: NscdState) -> System:
-        """That which fits a state."""
+        """Make the system that fits a state."""
         prepared, pairs = state.prepared, state.pairs
         assembly, bars = prepared.assembly, prepared.bars
         loads = LoadArrays.of(prepared.problem, state.departed, state.stage)
@@ -114,13 +116,13 @@ class System:
         )
 
     def fits(self, state: NscdState) -> bool:
-        """Whether it is that of a state."""
+        """Whether it is the system of a state."""
         same = self.prepared is state.prepared and self.stage == state.stage
         return same and self.pairs is state.pairs
 
 
 class NscdEngine(Engine[NscdState]):
-    """See the module's text."""
+    """The engine of the module's text."""
 
     name = "nscd"
     capabilities = Capabilities(
@@ -130,12 +132,12 @@ class NscdEngine(Engine[NscdState]):
         in_own_frame=True,
         keeps_states=True,
         resumes=True,
-        residual_limit=NSCD_RESIDUAL,  # what a step is solved to, and the rounding of its poses
+        residual_limit=NSCD_RESIDUAL,  # the tolerance of a step, plus the rounding of its poses
     )
 
     def __init__(self, settings: NscdSettings | None = None) -> None:
         self.settings = settings or NscdSettings()
-        #: That of the last step, which the next one takes where it fits its state.
+        #: The system of the last step, which the next step uses again if it fits its state.
         self.last: System | None = None
 
     def derived(self, problem: Problem) -> tuple[Prepared]:
@@ -179,7 +181,7 @@ class NscdEngine(Engine[NscdState]):
                     break
                 continue
             state = new
-            # At rest: what a step from rest would move by is far below the joints' own closing.
+            # At rest: a step from rest moves the blocks by far less than joints close.
             if outcome.motion < AT_REST_MOTION * max(outcome.penetration, LEAST_CLOSURE):
                 return state, outcome
             if state.departed.any() or state.prepared.detector.travelled(state.pose).max() > limit:
@@ -245,14 +247,14 @@ class NscdEngine(Engine[NscdState]):
         return self._accept(own, state, problem, solved, before, load, motion, demand, ties)
 
     def _given(self, state: NscdState, amount: float) -> Array:
-        """Increments (n, n_dof) of supports that move on by an amount."""
+        """Prescribed increments (n, n_dof) of supports that move on by an ``amount`` [m or rad]."""
         assembly, settlement = state.prepared.assembly, state.prepared.problem.settlement
         if settlement is None or not amount:
             return assembly.no_motion()
         return settlement.increment(assembly, state.pose, state.support_motion + amount)
 
     def _ties(self, own: System, state: NscdState, h: float) -> TieImpulses | None:
-        """Ties where the step starts."""
+        """The ties at the start of a step of ``h`` [s]; None if there are none."""
         if own.ties is None:
             return None
         own.ties.begin(state.prepared.bars.torn(state.ties))
@@ -260,7 +262,7 @@ class NscdEngine(Engine[NscdState]):
         return TieImpulses(own.ties, state.pairs.a, state.pairs.b, h)
 
     def _contact_problem(self, own: System, state: NscdState) -> ContactProblem:
-        """Contacts where the step starts."""
+        """The contacts at the start of a step, as a problem for the solver."""
         contacts = state.prepared.detector.pack(
             state.pairs, state.pose, state.slots, state.prepared.laws
         )
@@ -278,7 +280,7 @@ class NscdEngine(Engine[NscdState]):
         demand: Demand,
         ties: TieImpulses | None,
     ) -> tuple[NscdState, StepReport]:
-        """The state that a step has led to, from the velocities ``before``, and its figures."""
+        """The state to which a step has led, from velocities ``before`` (n, n_dof); its report."""
         assert demand.multiplier is not None
         loads = own.loads.near(state.pose, demand.multiplier)
         h, chosen = demand.time_step, problem.contacts.slot
@@ -336,7 +338,8 @@ class NscdEngine(Engine[NscdState]):
         force: Array,
         there: Array,
     ) -> None:
-        """Add the forces of ties in a step to ``force``, and those at its end to ``there``."""
+        """Add the forces of ties as the step was solved to ``force``, and those in the poses at its
+        end to ``there``, (n, n_dof) each."""
         impulses.act(velocity)
         pulled = np.zeros_like(force)
         impulses.add_to(pulled)
@@ -345,7 +348,7 @@ class NscdEngine(Engine[NscdState]):
         ties.add_to(there)
 
     def _refresh(self, state: NscdState) -> NscdState:
-        """New pairs where the blocks have moved far."""
+        """The state with new pairs, if the blocks have moved far."""
         if state.prepared.detector.outdated(state.pairs.pose, state.pose):
             state = self._paired(state, state.departed)
         return state
@@ -378,9 +381,9 @@ class NscdEngine(Engine[NscdState]):
     def _arrive(
         self, state: NscdState, pose: Array, velocity: Array, chosen: IntArray, found: Array
     ) -> tuple[NscdState, Array]:
-        """The state at the end of a step: contacts where the blocks are now, reactions carried on.
+        """The state at the end of a step, with contacts found anew that inherit their reactions.
 
-        Returns the state and the step's reactions by the slots that the step started with.
+        Returns the state, and the reactions of the step listed by the slots at its start.
         """
         reaction = np.zeros_like(state.reaction)
         reaction[chosen] = found
@@ -388,7 +391,8 @@ class NscdEngine(Engine[NscdState]):
         state.prepared.detector.follow(state.pairs, pose, state.slots, followed)
         followed.frame[:] = state.slots.frame
         slots = state.prepared.detector.find(state.pairs, pose, state.slots)
-        # Tangents where the step starts are near enough: the next one only begins with these.
+        # Tangents at the start of the step are near enough, because these reactions are only the
+        # start of the next step's iteration.
         past, narrow = self._past(state.slots, reaction), state.prepared.detector.narrow
         carried = handed_on(narrow, past, state.pairs, slots).reaction
         new = NscdState(
@@ -413,7 +417,7 @@ class NscdEngine(Engine[NscdState]):
         return new, reaction
 
     def _acted(self, state: NscdState) -> Contacts:
-        """Contacts of the step, where it has led to."""
+        """The contacts of the step, in the poses at its end."""
         these = state.acted
         assert these is not None
         return state.prepared.detector.pack(
@@ -421,12 +425,12 @@ class NscdEngine(Engine[NscdState]):
         )
 
     def _past(self, slots: Slots, reaction: Array) -> Histories:
-        """Contacts with these reactions (n_slots, dim) [N]: all that this engine hands on."""
+        """Contacts with reactions (n_slots, dim) [N]; this engine keeps no other history."""
         n = len(reaction)
         return Histories.own(slots, np.zeros((n, 0)), reaction, np.zeros(n, np.int64))
 
     def _status(self, prepared: Prepared, pairs: Pairs, reaction: Array) -> IntArray:
-        """What contacts with these reactions do, (n_slots,)."""
+        """Status (n_slots,) of contacts with these reactions."""
         status = np.empty(len(reaction), np.int64)
         status_of(pairs, prepared.laws, reaction, status)
         return status
@@ -436,11 +440,11 @@ class NscdEngine(Engine[NscdState]):
         return state.departed
 
     def ties_of(self, state: NscdState) -> TieState:
-        """What the ties of a state carry."""
+        """The ties of a state, with their forces."""
         return state.ties
 
     def contacts(self, state: NscdState) -> ContactForces:
-        """Contact points and reactions of a state: those that are in balance."""
+        """Contact points and reactions of a state: those which balance the loads."""
         these = state.acted or state
         return state.prepared.detector.forces(
             these.pairs, state.pose, these.slots, these.reaction, these.status

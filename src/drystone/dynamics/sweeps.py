@@ -1,14 +1,15 @@
 """Non-linear Gauss-Seidel: one contact after another, each solved exactly for its own impulse.
 
-It is the projected Gauss-Seidel method of other fields.  With the velocity v of the bodies kept up
-to date, a contact sees its own free velocity b = H v - W p (W its Delassus block) and solves
+In other fields the method is called projected Gauss-Seidel.  The velocity v of the bodies is kept
+up to date.  With its Delassus block W, a contact has the velocity b = H v - W p without its own
+impulse, and solves
 
-    W p + b + (C p_n + g / h, 0) = u,    0 <= p_n,  u_n = 0 where p_n > 0,    |p_t| <= mu p_n,
+    W p + b + (C p_n + g / h, 0) = u,    0 <= p_n,  u_n = 0 if p_n > 0,    |p_t| <= mu p_n,
 
-with the compliance C = 1 / (k_n h^2) of the joint; friction opposes sliding where it is at its
-limit.  In space p_t and u_t are vectors of two.
+with the compliance C = 1 / (k_n h^2) of the joint.  Friction at its limit opposes sliding.  In
+space, p_t and u_t are vectors with two components.
 
-What the law makes of it is in `plane.sweeps` and `space.sweeps`, which have the same functions;
+The sweeps themselves are in `plane.sweeps` and `space.sweeps`, which have the same functions;
 ``dof`` is `rows.IN_PLANE` or `rows.IN_SPACE` everywhere.
 """
 
@@ -25,7 +26,7 @@ from drystone.contact.rows import OF_GAP, OF_SLIP, add_reaction
 
 
 class ContactProblem(NamedTuple):
-    """Everything a contact solver needs of one step, and nothing else."""
+    """The data of one step for a contact solver."""
 
     contacts: Contacts  # (n_contacts,)
     gap: Array  # (n_contacts,) m, at the start of the step
@@ -34,7 +35,7 @@ class ContactProblem(NamedTuple):
 
 @njit(cache=True)
 def delassus_blocks(dof, problem, blocks):
-    """Diagonal blocks W = H M^-1 H^T, (n_contacts, dim, dim) [1/kg]."""
+    """Fill the diagonal blocks of W = H M^-1 H^T, (n_contacts, dim, dim) [1/kg]."""
     nd = len(dof)
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
     which, rows = contacts.which, contacts.rows
@@ -52,7 +53,7 @@ def delassus_blocks(dof, problem, blocks):
 
 @njit(cache=True)
 def apply_impulses(dof, problem, impulse, velocity):
-    """Add M^-1 H^T p to the velocities, (n, n_dof)."""
+    """Add M^-1 H^T p of impulses p (n_contacts, dim) [N s] to the velocities (n, n_dof)."""
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
     which, rows = contacts.which, contacts.rows
     for c in range(rows.shape[0]):
@@ -61,8 +62,8 @@ def apply_impulses(dof, problem, impulse, velocity):
 
 @njit(cache=True)
 def push(dof, rows, c, impulse, k, a, b, inverse_mass, velocity):
-    """Add to the velocities of bodies a and b what row k of ``impulse`` (n, dim) at contact c does
-    to them."""
+    """Add the change of the velocities of bodies a and b by row k of ``impulse`` (n, dim) [N s] at
+    contact c."""
     nd = len(dof)
     for d in range(nd):
         on_a = rows[c, OF_GAP, d] * impulse[k, 0] + rows[c, OF_SLIP, d] * impulse[k, 1]
@@ -98,7 +99,8 @@ def add_block(nd, block, which, c, diagonal, upper, lower):
 
 @njit(cache=True)
 def momentum_defect(dof, problem, mass, free_velocity, velocity, impulse, defect):
-    """H^T p - M (v - v_free), (n, n_dof), and its norm weighted with M^-1."""
+    """Fill ``defect`` (n, n_dof) with H^T p - M (v - v_free); returns its norm, weighted with
+    M^-1."""
     nd = len(dof)
     contacts, inverse_mass = problem.contacts, problem.inverse_mass
     which, rows = contacts.which, contacts.rows

@@ -20,7 +20,7 @@ from drystone.law.residual import add_contact_forces
 
 
 def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepReport]:
-    """The state where all is balanced and has been stopped."""
+    """The state in which all forces balance and the blocks have been stopped, and its report."""
     work.unpack()
     still = np.zeros_like(state.velocity)
     contacts, contact_force = _judged(work)
@@ -28,7 +28,7 @@ def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepR
     load = loads.dead + work.multiplier * loads.pattern
     forces = Forces(contact=contact_force, load=load, inertia=still)
     new, figures = _arrive(state, work, contacts, forces, work.motion.force, still)
-    # The little force that is unbalanced counts as no acceleration: the blocks are at rest.
+    # The small unbalanced forces do not count as accelerations, because the blocks are at rest.
     return new, replace(
         figures,
         static_multiplier=work.multiplier,
@@ -41,8 +41,8 @@ def at_rest(state: DistinctState, work: Workspace) -> tuple[DistinctState, StepR
 def in_real_motion(
     state: DistinctState, work: Workspace, n_cycles: int
 ) -> tuple[DistinctState, StepReport]:
-    """The state in motion, with the means over the last ``n_cycles`` of what the supports carry
-    and of what is unbalanced: no snapshot of a vibrating wall."""
+    """The state in motion, and its report.  Reactions of supports and unbalanced forces are means
+    over the last ``n_cycles``, because a wall vibrates."""
     work.unpack()
     motion, loads = work.motion, work.now
     load = loads.dead + work.multiplier * loads.pattern
@@ -53,11 +53,11 @@ def in_real_motion(
 
 
 def on_the_way(work: Workspace) -> tuple[DistinctState, StepReport]:
-    """A copy of the state after a cycle of a relaxation, and its figures.
+    """A copy of the state after a cycle of a relaxation, and its report.
 
-    What is unbalanced in the cycle is inertia and damping.  Masses are scaled: velocities and
-    kinetic energies mean nothing.  The multiplier is a mean since the last such state, because
-    impacts disturb that of one cycle.
+    The unbalanced forces of the cycle are inertia and damping.  As masses are scaled, velocities
+    and kinetic energies have no meaning.  The multiplier is a mean since the last such state,
+    because impacts disturb that of one cycle.
     """
     work.unpack()
     motion, loads, still = work.motion, work.now, np.zeros_like(work.motion.velocity)
@@ -86,10 +86,11 @@ def failed(reason: str, work: Workspace, *, runs_away: bool = False) -> StepRepo
 
 
 def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts, Array]:
-    """Contacts with the reactions of the last cycle, and the forces of these on the bodies.
+    """Contacts with the reactions of the last cycle, and their forces on the bodies (n, n_dof).
 
-    The gaps are those of the poses that the cycle began with, where ``gaps`` (n_slots,) of all
-    slots are not given to the first order in what it has moved; all slips have entered the shear.
+    The gaps are those at the beginning of the cycle.  They are ``gaps`` (n_slots,) [m] if given;
+    otherwise they are calculated from the present ones to first order in the motion of the cycle.
+    The shear contains all slip.
     """
     prepared, slots, pairs = work.prepared, work.slots, work.pairs
     velocity = work.motion.velocity
@@ -116,7 +117,7 @@ def _judged(work: Workspace, gaps: Array | None = None) -> tuple[JudgedContacts,
 
 
 def _margin(work: Workspace, contacts: JudgedContacts, ties_margin: Array) -> Array:
-    """Of the bonds, by slots, and of the ties."""
+    """Margins of the bonds, listed by slots, and of the ties, (n_slots + n_ties,)."""
     margin = np.full(len(work.slots.kind), np.inf)
     if work.prepared.brittle:
         used = contacts.contacts.slot
@@ -133,7 +134,7 @@ def _arrive(
     unbalanced: Array,
     velocity: Array,
 ) -> tuple[DistinctState, StepReport]:
-    """The state at the end of the cycles, and its figures."""
+    """The state at the end of the cycles, and its report."""
     prepared, meter, pose, acting = state.prepared, work.meter, work.motion.pose, work.now
     assembly = prepared.assembly
     ties = work.ties.ended(yields=not work.real_masses, aged=work.real_masses)

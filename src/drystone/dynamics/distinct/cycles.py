@@ -1,4 +1,5 @@
-"""Cycles with searches between them: until all is balanced, a block runs away, or they are done."""
+"""Cycles with searches for contacts between them, until all forces balance, a block runs away, or
+their number is reached."""
 
 from __future__ import annotations
 
@@ -14,10 +15,11 @@ from drystone.engines.base import OVERSHOOT_PARTS
 from drystone.engines.measures import LoadArrays
 from drystone.model.tie_kernels import PRETENSION
 
-#: Parts in which the dead load comes: each shakes the structure by as little.
+#: Number of parts in which the dead load is applied, so that each part excites little vibration.
 RAMP = 100
 
-#: Most cycles of one call, which nothing interrupts; and where loads change with places.
+#: Largest number of cycles in one call, which cannot be interrupted; the same if loads change with
+#: the poses.
 ROUND, SHORT_ROUND = 1000, 100
 
 
@@ -30,9 +32,9 @@ def run(
     combined: bool = False,
     tolerance: float = -1.0,
 ) -> bool:
-    """Cycles with searches between them; whether they ended because all is balanced.
+    """Run cycles with searches between them; whether they ended because all forces balance.
 
-    For how they are driven see `explicit.Drive`.  Raises `RunAwayError`.
+    For the other arguments see `explicit.Drive`.  Raises `RunAwayError`.
     """
     last, steady = work.n_cycles + n_cycles, work.acting.acting.steady
     drive = work.drive(
@@ -58,7 +60,7 @@ def run(
 
 
 def _note(work: Workspace) -> None:
-    """Keep a dynamic state where a block has moved far by itself since the last one."""
+    """Store a dynamic state if a block has moved far by itself since the last one."""
     asked, assembly = work.bounds.asked, work.prepared.assembly
     if asked is None:
         return
@@ -83,10 +85,10 @@ def _stop_runaways(work: Workspace) -> None:
 
 
 def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
-    """Bring up the dead load from what it was ``before``, if anything, each part of it in cycles
-    enough for a wave to pass.
+    """Increase the dead load gradually from that ``before`` (None: from zero).  Each part has
+    enough cycles for a wave to pass.
 
-    Ties are drawn with the weight: before it, they would draw blocks along.
+    Ties are pretensioned together with the weight.  Before it, they would pull blocks along.
     """
     whole, drawn = work.acting, work.ties.value[:, PRETENSION].copy()
     for part in range(1, RAMP):
@@ -100,12 +102,12 @@ def load_gradually(work: Workspace, before: LoadArrays | None) -> None:
 
 
 def relax(work: Workspace, *, guided: bool) -> bool:
-    """Cycles until all is balanced; whether they got there.  Raises `RunAwayError`.
+    """Run cycles until all forces balance; whether they do.  Raises `RunAwayError`.
 
-    Blocks that do not come to rest soon are in a jump to another shape, slowly at first.  Local
-    damping would hold them back, because they vibrate as well; so damping is combined then.  If
-    the blocks rest on faces that no longer separate them most, contacts are searched again, and
-    the blocks are relaxed once more.
+    If blocks do not come to rest soon, they jump to another shape, slowly at first.  Local damping
+    would hold them back, because they vibrate as well; so damping is then combined.  If the blocks
+    rest on faces that no longer separate them most, contacts are searched again, and the blocks
+    are relaxed once more.
     """
     if not _relaxed(work, guided=guided):
         return False

@@ -16,20 +16,21 @@ STAGES = 4
 
 
 def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
-    """Move on at a constant rate of F.x until the control displacement is reached, then stop.
+    """Move on at a constant rate of F.x until the control displacement has advanced by the
+    ``increment`` [m], then stop.
 
     Returns the highest multiplier within the step, in the sense of the increment; multipliers are
     means over parts of the step.
 
     The step begins with the motion of the last step, scaled to the rate of this one, so that it
-    excites no vibrations.  It ends in stages, each slower than the one before: joints go on sliding
-    while vibrations fade, and come to rest with their friction fully used.
+    excites no vibrations.  It ends in stages, each slower than the one before, so that joints go on
+    sliding while vibrations fade, and come to rest with fully used friction.
     """
     prepared, s, pose = state.prepared, work.settings, work.motion.pose
     control, assembly = prepared.problem.control_point, prepared.assembly
     begin = control.displacement(assembly, state.pose)
     rate = _start_drive(state, work, increment, begin)
-    # For the first stage, of the increment.
+    # Share of the increment at which the first stage begins.
     left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
     highest, way = -np.inf, 1.0 if increment > 0.0 else -1.0
     for _ in range(10 * OVERSHOOT_PARTS):
@@ -39,7 +40,7 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
             break
         moved = prepared.detector.farthest(assembly.difference(pose, state.pose))
         if moved > BY_ITSELF * abs(increment):
-            break  # something else moves, which the increment does not measure
+            break  # other blocks move, which the control displacement does not show
     for _ in range(STAGES):
         work.motion.velocity[:] *= SLOWER
         rate *= SLOWER
@@ -49,7 +50,8 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
 
 
 def _start_drive(state: DistinctState, work: Workspace, increment: float, begin: float) -> float:
-    """Velocities to begin with, and the rate of F.x that goes with them [N m/s].
+    """Set the velocities at the beginning of the drive; returns the corresponding rate of F.x
+    [N m/s].
 
     ``begin`` is the control displacement of the state [m].
     """
@@ -59,20 +61,20 @@ def _start_drive(state: DistinctState, work: Workspace, increment: float, begin:
     sense = 1.0 if acting.along @ control.direction >= 0.0 else -1.0
     came = begin - control.displacement(assembly, assembly.moved(state.pose, -last))
     pushed, farthest = float(np.sum(acting.pattern * last)), prepared.detector.farthest(last)
-    onwards = came * increment > ONWARDS * farthest * abs(increment)  # else it is rounding
+    onwards = came * increment > ONWARDS * farthest * abs(increment)  # more than rounding
     if onwards and pushed * increment * sense > 0.0:
         share = min(increment / came, 2.0 * abs(increment) / farthest) / duration
         work.motion.velocity[:] = share * last
         return share * pushed
     rate = 0.5 * sense * acting.total * increment / duration
-    for stage in range(STAGES, 0, -1):  # from rest, begin as it will end
+    for stage in range(STAGES, 0, -1):  # from rest, begin in stages as well
         run(work, s.stage_cycles, guided=True, rate=rate * SLOWER**stage, combined=True)
         work.motion.velocity[:] /= SLOWER
     return rate
 
 
 def _part(work: Workspace, n_cycles: int, rate: float) -> float:
-    """Guided cycles; the mean multiplier over them, from the work that it did."""
+    """Run guided cycles; returns their mean multiplier, from the work of the loads."""
     pose, done = work.motion.pose.copy(), float(work.meter[explicit.LOAD_WORK])
     run(work, n_cycles, guided=True, rate=rate, combined=True)
     moved = work.prepared.assembly.difference(work.motion.pose, pose)

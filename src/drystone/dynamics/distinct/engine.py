@@ -1,14 +1,15 @@
 """The distinct element method of Cundall for rigid blocks: UDEC's formulation.
 
-Explicit cycles (see `dynamics.explicit`): springs at the contacts give forces, these accelerations,
-these velocities and poses.  Contacts are searched for only when a block has moved by more than a
-tolerance since the last search; in between their features are frozen.
+In explicit cycles (see `dynamics.explicit`), springs at the contacts give forces, forces give
+accelerations, and accelerations give velocities and poses.  Contacts are searched for only if a
+block has moved by more than a tolerance since the last search; in between, their features stay the
+same.
 
-Under a given multiplier a step is a piece of real motion, as long as the demanded time.  A step
-with a prescribed displacement is quasi-static.  The work-conjugate displacement F.x of the load
-pattern is driven at a constant rate; the multiplier is the force that this takes.  Then F.x is
-fixed until all blocks are balanced.  Motion and inertia before that have no meaning, so that masses
-can be chosen freely: each degree of freedom has one in proportion to its stiffness.
+Under a given multiplier with a time step, a step is a piece of real motion.  A step with a
+prescribed displacement is quasi-static.  The displacement F.x, which is work-conjugate to the load
+pattern F, is driven at a constant rate; the multiplier is the force that this takes.  Then F.x is
+fixed until all blocks are balanced.  The motion until then has no meaning, so that masses can be
+chosen freely: the mass of each degree of freedom is proportional to its stiffness.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ Step = tuple[DistinctState, StepReport]
 
 
 class DistinctEngine(Engine[DistinctState]):
-    """See the module's text."""
+    """The engine of the module's text."""
 
     name = "distinct"
     capabilities = Capabilities(
@@ -72,7 +73,7 @@ class DistinctEngine(Engine[DistinctState]):
         in_own_frame=True,
         keeps_states=True,
         resumes=True,
-        # Rest is looked for with the forces of a cycle, its poses are those at the end of it.
+        # The forces at rest are those of a cycle; the poses are those at its end.
         residual_limit=DISTINCT_RESIDUAL,
     )
 
@@ -80,7 +81,7 @@ class DistinctEngine(Engine[DistinctState]):
         self.settings = settings or DistinctSettings()
 
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
-        """Iterations are the cycles of a step."""
+        """Steps that suit this engine; iterations are the cycles of a step."""
         return PreferredSteps(
             displacement_step=DISTINCT_STEP * assembly.smallest_extent, grow_iterations=20_000
         )
@@ -103,7 +104,8 @@ class DistinctEngine(Engine[DistinctState]):
     def release(
         self, problem: Problem, pose: Array | None = None, velocity: Array | None = None
     ) -> DistinctState:
-        """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
+        """A state in given poses (n, n_pose) and velocities (n, n_dof), without looking for
+        equilibrium."""
         assembly = problem.assembly
         (prepared,) = self.derived(problem)
         return released(
@@ -117,8 +119,8 @@ class DistinctEngine(Engine[DistinctState]):
     ) -> Step:
         """Cycles under the dead load from rest to rest, with all bonds intact.
 
-        At first the load is applied gradually.  Applied at once, it would overshoot, and joints
-        that slip in the overshoot would keep their friction.
+        With ``gradually``, the load grows from that ``before``.  Applied at once, it would
+        overshoot, and joints that slip in the overshoot would keep their friction.
         """
         problem = state.prepared.problem
         bounds = Bounds(farthest=problem.assembly.smallest_extent)
@@ -150,14 +152,15 @@ class DistinctEngine(Engine[DistinctState]):
     def _by_bonds(
         self, state: DistinctState, amount: float, go: Callable[[DistinctState, float], Step]
     ) -> Step:
-        """Move by an amount, as far as bonds and ties allow."""
+        """Move by an ``amount`` [m or rad] with the method ``go``, as far as bonds and ties
+        allow."""
         prepared = state.prepared
         if not prepared.gives_way:
             return go(state, amount)
 
         def solve(state: DistinctState, share: float) -> Step:
             new, report = go(state, share * amount)
-            if share == 0.0 and report.converged:  # what a break moves says nothing of what follows
+            if share == 0.0 and report.converged:  # motion by a break does not predict what follows
                 new = replace(new, increment=state.increment)
             return new, report
 
@@ -171,14 +174,14 @@ class DistinctEngine(Engine[DistinctState]):
         ).advance(state)
 
     def _quasi_static(self, state: DistinctState, asked: float = 0.0) -> Workspace:
-        """A workspace of quasi-static cycles, in which blocks are ``asked`` to move so far [m]."""
+        """A workspace for quasi-static cycles; ``asked`` [m] is the demanded motion of blocks."""
         state = replace(state, velocity=np.zeros_like(state.velocity))
         farthest = self.settings.max_motion * state.prepared.span
         bounds = Bounds(farthest=farthest, may_lose=True, asked=asked)
         return Workspace(self.settings, state, real_masses=False, bounds=bounds)
 
     def _follow_supports(self, state: DistinctState, amount: float) -> Step:
-        """Move supports on at a constant rate, then balance."""
+        """Move supports on by an ``amount`` [m or rad] at a constant rate, then balance."""
         settlement = state.prepared.problem.settlement
         assert settlement is not None
         assembly, n = state.prepared.assembly, self.settings.drive_cycles
@@ -197,7 +200,7 @@ class DistinctEngine(Engine[DistinctState]):
         )
 
     def _advance(self, state: DistinctState, increment: float) -> Step:
-        """Drive the control displacement by an increment, then fix it and balance."""
+        """Drive the control displacement by an ``increment`` [m], then fix it and balance."""
         work = self._quasi_static(state, abs(increment))
         highest = -np.inf
         try:
@@ -212,8 +215,7 @@ class DistinctEngine(Engine[DistinctState]):
         return new, replace(figures, path=replace(figures.path, overshoot=overshoot))
 
     def _balance(self, state: DistinctState, work: Workspace, *, guided: bool) -> Step:
-        """Cycles until all blocks rest: with F.x fixed where they are guided, else with the
-        load."""
+        """Cycles until all blocks rest: with fixed F.x if ``guided``, else under a given load."""
         try:
             if relax(work, guided=guided):
                 return at_rest(state, work)
@@ -229,7 +231,7 @@ class DistinctEngine(Engine[DistinctState]):
     def _move(self, state: DistinctState, demand: Demand) -> Step:
         """Real motion for a given time under a given multiplier.
 
-        The first half of it is for the first waves, the second is what the figures are means of.
+        The figures are means over the second half of the cycles, after the first waves.
         """
         assert demand.multiplier is not None
         begin = replace(state, multiplier=demand.multiplier)
@@ -253,7 +255,7 @@ class DistinctEngine(Engine[DistinctState]):
         except RunAwayError as error:
             return state, failed(str(error), work)
         if np.array_equal(work.searched, work.motion.pose):
-            work.cycle_once()  # contacts just found anew have no reactions yet
+            work.cycle_once()  # contacts that were just found anew have no reactions yet
             n += 1
         return in_real_motion(state, work, n)
 
@@ -262,7 +264,7 @@ class DistinctEngine(Engine[DistinctState]):
         return state.departed
 
     def ties_of(self, state: DistinctState) -> TieState:
-        """What the ties of a state carry."""
+        """The ties of a state, with their forces."""
         return state.ties
 
     def contacts(self, state: DistinctState) -> ContactForces:

@@ -1,15 +1,15 @@
 """Masses of explicit cycles, and the time step for which they are stable.
 
-A contact's stiffness k (h_a.x_a + h_b.x_b)^2 is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.
-With B = 2 sum k h h^T over the contacts of one block, no frequency of the assembly is hence above
-omega^2 = max eig(M^-1/2 B M^-1/2), the highest of any block's own.  Undamped cycles are stable for
-dt < 2 / omega.  Where a velocity changes its sign at every cycle, local damping alpha makes every
-force (1 + alpha) times as large, and so
+The energy k (h_a.x_a + h_b.x_b)^2 of a contact is at most 2 k (h_a.x_a)^2 + 2 k (h_b.x_b)^2.  Let
+B = 2 sum k h h^T over the contacts of one block.  Then no frequency of the assembly is above
+omega^2 = max eig(M^-1/2 B M^-1/2), the maximum over all blocks.  Undamped cycles are stable for
+dt < 2 / omega.  If a velocity changes its sign at every cycle, local damping alpha makes every
+force (1 + alpha) times as large, so that
 
     dt < 2 / (omega sqrt(1 + alpha))
 
-A block that meets another and leaves it within one cycle takes energy from nowhere beyond
-sqrt(2) / omega: undamped motion with impacts wants a safety factor below 0.7.
+A block that meets another and leaves it within one cycle gains energy if dt > sqrt(2) / omega.  So
+undamped motion with impacts needs a safety factor below 0.7.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from drystone.law.columns import BROKEN, COHESION, COHESIVE, DILATION, PULLS, TE
 
 
 def search_reach(settings: DistinctSettings, prepared: DistinctPrepared) -> float:
-    """Motion of a block between two searches [m]."""
+    """Largest motion of a block between two searches [m]."""
     return settings.search_tolerance * prepared.assembly.smallest_extent
 
 
@@ -41,11 +41,10 @@ def masses(
     real: bool,
     ties: TieForces | None = None,
 ) -> tuple[Array, float]:
-    """Masses (n, n_dof) and the stable time step [s] that goes with them, of slots in a pose.
+    """Masses (n, n_dof) and the stable time step [s] for them, for slots in a pose.
 
-    Contacts that are open count where they may close before the next search, and those whose bond
-    is not lost wherever they are: what was torn pulls along its elastic line, k_n, and sticks with
-    k_s, however far it has opened.
+    Open contacts count if they may close before the next search.  Contacts whose bond is not lost
+    always count, because they pull with k_n and stick with k_s, however far they have opened.
     """
     assembly, s = prepared.assembly, settings
     blocks = np.zeros((assembly.n_bodies, assembly.n_dof, assembly.n_dof))
@@ -75,17 +74,17 @@ def masses(
 
 
 def _bonded(prepared: DistinctPrepared, law: IntArray, history: Array) -> BoolArray:
-    """Contacts (n,) whose bond is not lost, by the rows of their laws and their histories."""
+    """Contacts (n,) whose bond is not lost, from their laws (n,) and their histories."""
     strengths = [COHESION, TENSION, COHESIVE, PULLS]
     has_bond = np.asarray((prepared.laws[:, strengths] > 0.0).any(axis=1))
     return np.asarray(has_bond[law] & (history[:, BROKEN] == 0.0))
 
 
 def _needed(blocks: Array, fixed: BoolArray, touched: BoolArray) -> Array | None:
-    """Masses for which a time step of one is stable, (n, n_dof); None where nothing holds a block.
+    """Masses (n, n_dof) for which a time step of one is stable; None if no block has stiffness.
 
-    A block that is not ``touched`` (n,) by another gets the largest: it falls, or swings on its
-    tie, as slowly as the stiffest block moves, and is caught where it lands.
+    A block that is not ``touched`` (n,) by another gets the largest mass.  So it falls, or swings
+    on its tie, as slowly as the stiffest block moves, and is stopped where it lands.
     """
     stiffness = np.einsum("nii->ni", blocks)
     held = stiffness.any(axis=1) & ~fixed
@@ -98,7 +97,7 @@ def _needed(blocks: Array, fixed: BoolArray, touched: BoolArray) -> Array | None
 
 
 def _highest(blocks: Array, mass: Array) -> Array:
-    """Highest eigenvalue of each M^-1/2 B M^-1/2, (n,) [1/s2]."""
+    """Highest eigenvalue of M^-1/2 B M^-1/2 of each block, (n,) [1/s2]."""
     root = 1.0 / np.sqrt(mass)
     values = np.linalg.eigvalsh(blocks * root[:, :, None] * root[:, None, :])
     return np.asarray(values[:, -1], dtype=np.float64)

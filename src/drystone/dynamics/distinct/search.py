@@ -1,4 +1,4 @@
-"""Contacts found anew between cycles: which inherit a history, and which blocks leave."""
+"""Search for contacts between cycles, with the inheritance of histories; blocks that leave."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drystone.law.columns import BROKEN, DILATION, KN, KS, SHEAR, TENSION
 
 
 def search(work: Workspace) -> None:
-    """Find all contacts anew; those that persist keep their history."""
+    """Find all contacts anew; contacts that persist keep their history."""
     prepared, pose = work.prepared, work.motion.pose
     detector = prepared.detector
     work.unpack()
@@ -39,7 +39,7 @@ def search(work: Workspace) -> None:
 
 
 def drop_departed(work: Workspace) -> None:
-    """Take out blocks that have left; no force on the others changes.
+    """Take out blocks that have left the structure; forces on the others do not change.
 
     Raises `RunAwayError` if the load acts on nothing that is left.
     """
@@ -51,7 +51,7 @@ def drop_departed(work: Workspace) -> None:
     )  # fmt: skip
     lost = work.lost | left
     if not left.any() or (lost | prepared.assembly.fixed).all():
-        return  # the run ends elsewhere if no block is left
+        return  # if no block is left, the run ends elsewhere
     acting = LoadArrays.of(prepared.problem, lost, work.state.stage)
     if work.acting.pattern.any() and not acting.pattern.any():
         raise RunAwayError(prepared.assembly.ids[int(np.argmax(left))], work.travel())
@@ -66,7 +66,7 @@ def drop_departed(work: Workspace) -> None:
 
 
 def _new_pairs(work: Workspace, pairs: Pairs) -> None:
-    """Go over to another list of pairs, with the slots and histories of those that stay."""
+    """Change to another list of pairs, with the slots and histories of pairs that persist."""
     heirs = handed_on(work.prepared.detector.narrow, _past(work), pairs, former=work.pairs)
     work.pairs, work.slots, work.history = pairs, heirs.slots, heirs.history
     work.reaction, work.status = heirs.reaction, heirs.branch
@@ -77,10 +77,11 @@ def _past(work: Workspace) -> Histories:
 
 
 def others_separate(work: Workspace) -> bool:
-    """Whether blocks that press each other would do so on other faces in the present poses.
+    """Whether blocks that press each other would do so on other faces if contacts were searched
+    now.
 
-    Blocks that meet in an edge or a corner are separated alike by faces of several directions,
-    and after a motion far below that between two searches by another one.
+    Faces of several directions separate blocks that meet in an edge or a corner equally well.  So
+    another face may be the best after a motion far smaller than that between two searches.
     """
     work.unpack()
     now = work.prepared.detector.find(work.pairs, work.motion.pose, work.slots)
@@ -96,7 +97,7 @@ def others_separate(work: Workspace) -> bool:
 
 
 def elastic_energy(prepared: DistinctPrepared, pairs: Pairs, slots: Slots, history: Array) -> float:
-    """Energy that the joints store [J]."""
+    """Elastic energy of the joints [J]."""
     law = prepared.laws[pairs.law_of_slot]
     area = slots.size * prepared.assembly.thickness
     overlap = history[:, DILATION] - slots.gap

@@ -1,4 +1,4 @@
-"""Settings of the distinct element engine, what it makes of a problem, and its states."""
+"""Settings of the distinct element engine, its prepared problems, and its states."""
 
 from __future__ import annotations
 
@@ -34,24 +34,24 @@ class DistinctSettings:
     local_damping: float = LOCAL_DAMPING  # Cundall's, share of the unbalanced force, -
     viscous_damping: float = 0.0  # 1/s in real motion, 1/cycle in quasi-static steps
     mass_scaling: float | None = None
-    """Square of the time step over the critical one of the real masses; degrees of freedom that
-    would be unstable become heavier.  None: real masses under a given multiplier, and the limit of
-    large scaling, all masses in proportion to stiffness, where a displacement is given."""
+    """Square of the time step over the critical time step of the real masses.  Degrees of freedom
+    that would be unstable get larger masses.  None: real masses if a step has a given time; else
+    the limit of large scaling, in which all masses are proportional to stiffness."""
     search_tolerance: float = SEARCH_TOLERANCE
     """Motion between two searches over the smallest block size; 0 searches at every cycle."""
     tolerance: float = DISTINCT_TOLERANCE  # unbalanced force of a block at rest over its weight, -
     drive_cycles: int = 2400
-    """Cycles in which an increment is driven; with fewer, joints stick that would slide."""
-    stage_cycles: int = 600  # of each stage in which the driving ends
-    rest_cycles: int = 100_000  # cycles in which a step comes to rest; else it is a jump
-    jump_cycles: int = 1_000_000  # most cycles from there on
+    """Cycles in which an increment is driven.  With fewer, joints would stick instead of slide."""
+    stage_cycles: int = 600  # of each stage at the end of the drive
+    rest_cycles: int = 100_000  # after which a step that has not come to rest counts as a jump
+    jump_cycles: int = 1_000_000  # largest number of cycles of the jump
     max_cycles: int = 200_000  # of a step under a given multiplier, for a given time
     max_motion: float = 2.0  # motion in a step over the size of the whole structure, -
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DistinctPrepared(Prepared):
-    """A problem with what cycles need of it."""
+    """A problem with the data that cycles need."""
 
     @cached_property
     def dof(self) -> tuple[int, ...]:
@@ -61,12 +61,12 @@ class DistinctPrepared(Prepared):
 
     @cached_property
     def form(self) -> ModuleType:
-        """What the dimension makes of cycles, see `dynamics.explicit`."""
+        """The module of the dimension, see `dynamics.explicit.form_of`."""
         return form_of(self.dof)
 
     @cached_property
     def span(self) -> float:
-        """Size of what may move [m]."""
+        """Size of the part of the structure that may move [m]."""
         moving = ~self.assembly.fixed
         centroid = self.assembly.centroid[moving]
         return float(np.ptp(centroid, axis=0).max() + self.extent[moving].max())
@@ -74,7 +74,7 @@ class DistinctPrepared(Prepared):
 
 @dataclass(frozen=True, kw_only=True)
 class DistinctState:
-    """Poses, velocities, what the contacts remember, and the books of energy."""
+    """Poses, velocities, histories of contacts, and the energy balance."""
 
     prepared: DistinctPrepared
     stage: int  # of the dead loads, see `Problem.stages`
@@ -89,18 +89,18 @@ class DistinctState:
     status: IntArray  # (n_slots,)
     increment: Array  # (n, n_dof) of the last step
     margin: Array  # (n_slots + n_ties,) of bonds at rest, see `law.bonds`, and ties
-    due: IntArray  # rows of those that break next
+    due: IntArray  # rows of `margin` of the bonds and ties that break next
     departed: BoolArray  # (n,) blocks that have left
     ties: TieState
     support_motion: float = 0.0  # m or rad, by which supports have moved
-    friction_work: float = 0.0  # J, turned to heat since the start
-    damping_work: float = 0.0  # J, likewise
-    load_work: float = 0.0  # J, done by dead load and pattern
-    search_work: float = 0.0  # J, stored in joints that searches took away or changed
+    friction_work: float = 0.0  # J, dissipated since the start
+    damping_work: float = 0.0  # J, dissipated since the start
+    load_work: float = 0.0  # J, work of dead load and load pattern
+    search_work: float = 0.0  # J, elastic energy of joints that searches dropped or changed
 
 
 class RunAwayError(EngineError):
-    """A block has moved farther than any step may move one."""
+    """A block has moved farther than a block may move in a step."""
 
     def __init__(self, name: str, motion: Array) -> None:
         super().__init__(f'the block "{name}" runs away, and no rest is found for it')
@@ -108,7 +108,8 @@ class RunAwayError(EngineError):
 
 
 def released(prepared: DistinctPrepared, pose: Array, velocity: Array) -> DistinctState:
-    """A state in given poses (n, n_pose) and velocities (n, n_dof), as they are."""
+    """A state in given poses (n, n_pose) and velocities (n, n_dof), without looking for
+    equilibrium."""
     assembly = prepared.assembly
     pairs = prepared.detector.pairs(pose)
     slots = prepared.detector.find(pairs, pose)
@@ -137,7 +138,8 @@ def released(prepared: DistinctPrepared, pose: Array, velocity: Array) -> Distin
 
 
 def broken(state: DistinctState, due: IntArray) -> DistinctState:
-    """The state without the bonds of some slots, and past what ties were due for."""
+    """The state without the bonds that are ``due``, rows of `DistinctState.margin`, and with the
+    ties that are due past their events."""
     if not len(due):
         return state
     n_slots = len(state.reaction)

@@ -1,4 +1,4 @@
-"""Memory of the cycles of one step: contacts, motion, masses and loads, and one call of cycles."""
+"""Memory for the cycles of one step: contacts, motion, masses and loads; and calls of cycles."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from drystone.engines.tie_forces import TieForces
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """How far blocks may go in the cycles of a step."""
+    """Limits of the motion of blocks in the cycles of a step."""
 
-    farthest: float = np.inf  # m from where the step starts; beyond, a block runs away
-    may_lose: bool = False  # the structure blocks that have left it
+    farthest: float = np.inf  # m from the start of the step; beyond it, a block runs away
+    may_lose: bool = False  # whether blocks that have left the structure are taken out
     asked: float | None = None
-    """Motion that is asked for [m].  States in which blocks move by more are noted; None: none
-    is."""
+    """Demanded motion [m].  If blocks move by more, states in motion are stored; None: they are
+    not."""
 
 
-#: Of motion that nothing bounds.
+#: No limits.
 UNBOUNDED = Bounds()
 
 
@@ -45,10 +45,10 @@ class Workspace:
         self.settings, self.real_masses, self.bounds = settings, real_masses, bounds
         self.prepared, self.state = state.prepared, state
         self.search_reach = search_reach(settings, state.prepared)
-        #: States in motion where blocks have moved far by themselves, and their reports.
+        #: States in motion in which blocks have moved far by themselves, and their reports.
         self.dynamic_states: list[tuple[DistinctState, StepReport]] = []
-        self.noted = state.pose  # of the last of them
-        self.on_the_way: list[float] = []  # multipliers at the searches since
+        self.noted = state.pose  # poses of the last of these states
+        self.on_the_way: list[float] = []  # multipliers at the searches since then
         self.pairs = state.pairs
         self.slots = state.slots.copied()
         self.history = state.history.copy()
@@ -81,7 +81,8 @@ class Workspace:
         return self.acting.near(self.motion.pose, self.multiplier)
 
     def travel(self, since: Array | None = None) -> Array:
-        """How far each block has moved since the step began, or since a pose [m], (n,)."""
+        """Upper bound of the motion of each block since the step began, or ``since`` poses
+        (n, n_pose), (n,) [m]; infinite if its pose is NaN."""
         pose, begin = self.motion.pose, self.state.pose if since is None else since
         finite = np.asarray(np.isfinite(pose).all(axis=1))
         known = np.where(finite[:, None], pose, begin)
@@ -115,7 +116,7 @@ class Workspace:
         )
 
     def cycle(self, n_cycles: int, drive: Drive) -> int:
-        """Run cycles with the present time step and multiplier; why they ended."""
+        """Run cycles with the present time step and multiplier; returns why they ended."""
         drive = drive._replace(dt=self.dt, multiplier=self.multiplier)
         why, used = explicit.cycle(
             self.prepared.dof, self.contacts, self.n_contacts, self.motion, self.loads,
@@ -129,13 +130,13 @@ class Workspace:
         self.cycle(1, self.drive())
 
     def unpack(self) -> None:
-        """Bring slots, histories and reactions up to date."""
+        """Write the present geometry, histories and reactions of contacts to the slots."""
         found = self.contacts, self.n_contacts
         self.form.locate(*found, self.loads, self.motion, self.slots, self.pairs)
         explicit.unpack(*found, self.history, self.reaction, self.status)
 
     def gaps_before(self) -> Array:
-        """Gaps of all slots where the last cycle began [m], (n_slots,)."""
+        """Gaps of all slots at the beginning of the last cycle [m], (n_slots,)."""
         motion, assembly = self.motion, self.prepared.assembly
         pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
         before, slots = self._motion(pose, motion.velocity), self.slots.copied()
@@ -147,7 +148,7 @@ class Workspace:
         return Motion.of(pose, velocity, self.form.Rotations.of(self.prepared.assembly.axes))
 
     def pack(self, *, weigh: bool) -> None:
-        """Contacts of the slots as the cycles take them, and masses where they may have changed."""
+        """Pack the contacts for cycles; with ``weigh``, also calculate masses and time step."""
         assembly, acting = self.prepared.assembly, self.acting
         n_slots, dim = self.reaction.shape
         self.contacts = FrozenContacts.empty(n_slots, dim, self.form.N_SHAPE)

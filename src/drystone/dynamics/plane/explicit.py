@@ -1,7 +1,7 @@
-"""Contacts in the cycles of `dynamics.explicit`, in the plane: forces, and how poses go on.
+"""Contacts in the cycles of `dynamics.explicit`, in the plane: forces, and the update of poses.
 
-For all kinds of contact one of the two bodies, the *edge body* e, owns the normal, which points to
-the *other body* o; with arms from the centroids, t = (n_y, -n_x), S the quarter turn, q = 1 but
+For all kinds of contact, one of the two bodies, the *edge body* e, owns the normal, which points to
+the *other body* o.  With arms from the centroids, t = (n_y, -n_x), S the quarter turn, q = 1 except
 between two vertices, and rolling terms as in `contact.plane.narrow`,
 
     grad gap  = [-n, -n.S arm_e, n, n.S arm_o]
@@ -37,9 +37,9 @@ from drystone.law.branches import OPEN
 from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
 
-#: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body, local vertex and
-#: tangent of the edge body [m], radius of the other body, sum of both, 1 where two vertices meet
-#: [m].
+#: Columns of `explicit.FrozenContacts.shape`: local vertex of the other body [m]; local vertex [m]
+#: and tangent of the edge body; radius of the other body, and sum of both radii [m]; 1 if two
+#: vertices meet.
 OX, OY, EX, EY, TX, TY, R_O, R_SUM, ROUND = 0, 1, 2, 3, 4, 5, 6, 7, 8
 N_SHAPE = 9
 
@@ -48,7 +48,7 @@ class Rotations(NamedTuple):
     """Rotations of all bodies in their present poses."""
 
     direction: Array  # (n, 2) cosine and sine
-    axes: Array  # (n, 2, 2) principal axes as designed, which nothing asks for
+    axes: Array  # (n, 2, 2) principal axes as designed, which are not used
 
     @classmethod
     def of(cls, axes: Array) -> Rotations:
@@ -87,7 +87,7 @@ def freeze(slots, bodies, pairs, contacts, n_contacts):
 
 @njit(cache=True)
 def locate(contacts, n_contacts, loads, motion, slots, pairs):
-    """Geometry of the contacts in the present poses, to their slots."""
+    """Write the geometry of the contacts in the present poses to their slots."""
     cosines, pose, centroid = motion.rotation.direction, motion.pose, loads.centroid
     shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
     for c in range(n_contacts):
@@ -125,8 +125,8 @@ def locate(contacts, n_contacts, loads, motion, slots, pairs):
 
 @njit(cache=True, inline="always")
 def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
-    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
-    which is added to what it was."""
+    """Evaluate the joint law of the contacts, and add their forces on the bodies; returns the
+    accumulated work of friction [J]."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, force, cosines = (
@@ -201,7 +201,7 @@ def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
 
 
 def place(motion):
-    """Bring cosines and sines of all bodies' rotations up to date."""
+    """Calculate cosines and sines of the rotations of all bodies from their poses."""
     rotation = motion.pose[:, 2]
     motion.rotation.direction[:, 0] = np.cos(rotation)
     motion.rotation.direction[:, 1] = np.sin(rotation)
@@ -209,9 +209,10 @@ def place(motion):
 
 @njit(cache=True, inline="always")
 def move(motion, loads, origin, dt, reach, gyroscopic):
-    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost.
+    """Update the poses by the velocities; returns whether a body is farther than ``reach`` [m] from
+    its ``origin`` (n, 3), or its pose is NaN.
 
-    ``gyroscopic`` is for space.
+    ``gyroscopic`` is used in space only.
     """
     pose, velocity, cosines = motion.pose, motion.velocity, motion.rotation.direction
     inverse_mass, extent = loads.inverse_mass, loads.extent
@@ -223,7 +224,7 @@ def move(motion, loads, origin, dt, reach, gyroscopic):
         for d in range(3):
             pose[i, d] += velocity[i, d] * dt
         half = 0.5 * velocity[i, 2] * dt
-        # Cayley's rotation by 2 atan(half): exact but for half^3.
+        # Cayley's rotation by 2 atan(half); its error is of third order.
         scale = 1.0 / (1.0 + half * half)
         cosine = (1.0 - half * half) * scale
         sine = 2.0 * half * scale
@@ -232,5 +233,5 @@ def move(motion, loads, origin, dt, reach, gyroscopic):
         cosines[i, 1] = sine * c_old + cosine * cosines[i, 1]
         far = abs(pose[i, 0] - origin[i, 0]) + abs(pose[i, 1] - origin[i, 1])
         far += extent[i] * abs(pose[i, 2] - origin[i, 2])
-        moved = moved or not far <= reach  # nor where it is not a number
+        moved = moved or not far <= reach  # also if it is NaN
     return moved

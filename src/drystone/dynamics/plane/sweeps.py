@@ -12,7 +12,7 @@ from drystone.dynamics.sweeps import add_block, push, relative
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.impulse import branch_of_impulse, impulse_in, local_impulse, projected_impulse
 
-#: Numbers beside the branch that say how a contact slides: none.
+#: Number of columns that describe the direction of slip beside the branch: none in the plane.
 N_SLIP = 0
 
 #: The interior-point method for velocities: none, because Newton's method suffices.
@@ -20,7 +20,7 @@ WITHIN = None
 
 
 def sense(piece: IntArray, slip: Array) -> Array:
-    """Directions in which contacts slide, +1 and -1, else 0, (n_contacts, 1)."""
+    """Directions in which contacts slide, +1 or -1, (n_contacts, 1); 0 for others."""
     found = np.where(piece == FORWARD, 1.0, 0.0) - np.where(piece == BACKWARD, 1.0, 0.0)
     return np.asarray(found[:, None])
 
@@ -72,9 +72,10 @@ def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piec
 
         p_n = <-h k_n (g + h u_n)>,    p_t = centre - P u_t, projected onto mu p_n
 
-    where P is ``penalty`` [kg] and ``centre`` (n_contacts, dim - 1) [N s] the tangential impulse
-    that is reached without slip.  Contacts that are ``stuck`` stick whatever the cone says.
-    ``piece`` (n_contacts,) tells the branch, see `law.branches`; ``slip`` is of space.
+    P is the ``penalty`` [kg].  ``centre`` (n_contacts, dim - 1) [N s] is the tangential impulse
+    without slip.  Contacts that are ``stuck`` (n_contacts,) stick even outside the friction cone.
+    Fills ``impulse`` (n_contacts, dim) [N s] and the branches ``piece`` (n_contacts,), see
+    `law.branches`.  ``slip`` is used in space only.
     """
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
@@ -87,11 +88,11 @@ def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piec
 
 @njit(cache=True)
 def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip):
-    """Impulses of the branches in ``piece``, whether or not velocities lie on them: see
+    """Impulses in the branches ``piece``, whether or not the velocities belong to them; see
     `penalty_law`.
 
-    On known branches the law is linear, and one linear solution finds the velocities; in space this
-    slides along ``centre``, and ``slip`` is filled.
+    In known branches the law is linear, so that one linear solution gives the velocities.  In
+    space, contacts slide along ``centre``, and ``slip`` is filled.
     """
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
@@ -103,7 +104,8 @@ def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip)
 
 @njit(cache=True)
 def branches(problem, impulse, piece):
-    """The branches that impulses lie on, in place: see `penalty_law`."""
+    """Fill ``piece`` (n_contacts,) with the branches to which impulses belong; see
+    `penalty_law`."""
     table = problem.contacts.table
     for c in range(impulse.shape[0]):
         piece[c] = branch_of_impulse(impulse[c, 0], impulse[c, 1], table[c, FRICTION])

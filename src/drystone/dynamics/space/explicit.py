@@ -1,27 +1,29 @@
-"""Contacts in the cycles of `dynamics.explicit`, in space: forces, and how poses go on.
+"""Contacts in the cycles of `dynamics.explicit`, in space: forces, and the update of poses.
 
-Every contact is a material point of the *other body* o against a plane that the *edge body* e, so
-called as in the plane, carries along; with the local data of `contacts.Slots`, d_0 the design's
-vector from the plane's place to the point, n_0 its normal, R_e and R_o the rotations,
+Every contact is a material point of the *other body* o against a plane that the *edge body* e
+carries along; the names are those of the plane.  With the local data of `contacts.Slots`, d_0 the
+designed vector from the plane's place to the point, n_0 the designed normal of the plane, R_e and
+R_o the rotations,
 
     D = u_o - u_e + (R_o - I) point - (R_e - I) place
     gap = n_0 . d_0 - radii + (R_e - I) n_0 . (d_0 + D) + n_0 . D
 
-which is as precise as the displacements.  The shear is kept along the two tangents of the plane,
-which turn with it, and grows with the velocity of o over e where they touch.  Forces act there on
-both bodies, so that they balance in force and in moment.
+This is as precise as the displacements.  The shear is kept along the two tangents of the plane,
+which turn with it, and changes with the velocity of o relative to e where they touch.  Forces act
+at this place on both bodies, so that they balance in force and in moment.
 
-Rotations go by the principal axes of the bodies.  The rotational velocity w that is kept is that of
-the angular momentum half a step behind the pose, l = I w, along the axes where they are now; I are
-the moments of inertia, M those of the forces, exp(v) the rotation by a vector v:
+Rotations are about the principal axes of the bodies.  The rotational velocity w that is stored
+belongs to the angular momentum l = I w half a step before the pose, with components along the
+present axes.  With the moments of inertia I, the moments M of the forces, and exp(v) the rotation
+by a vector v:
 
-    l <- l + dt M                       as any other velocity
-    exp(s dt / 2) I s = l               gives the s that takes the body on, by exp(s dt)
-    l <- exp(-s dt) l                   is the same vector along the axes after that
+    l <- l + dt M                       as for any other velocity
+    exp(s dt / 2) I s = l               gives s; the body rotates by exp(s dt)
+    l <- exp(-s dt) l                   is the same vector along the new axes
 
-A free body hence keeps its angular momentum to rounding, and its energy to second order without
-drift: all goes the same way backwards.  Where masses are scaled, motion means nothing, and w takes
-the body on as it is.
+So a free body keeps its angular momentum to rounding, and its energy to second order without drift,
+because the scheme is reversible in time.  If masses are scaled, the motion has no meaning, and the
+body simply rotates by w.
 """
 
 from __future__ import annotations
@@ -55,29 +57,29 @@ from drystone.law.branches import OPEN, STICKING
 from drystone.law.columns import DILATION, KN, KS, SHEAR
 from drystone.law.cycles import keeps_bond_in_cycle, open_in_cycle, opens_in_cycle, react_in_cycle
 
-#: Columns of `explicit.FrozenContacts.shape`, of vectors the first: point of the other body, place,
-#: normal and first tangent of the plane, design's vector from the place to the point [m]; gap as
-#: designed [m], and how far the surface of the other body lies beyond the point [m]; 1 where that
-#: body is b, else -1.  The tangent is reversed where it is a: then, too, the shear moves it.
+#: Columns of `explicit.FrozenContacts.shape`, for vectors the first: point of the other body;
+#: place, normal and first tangent of the plane; designed vector from the place to the point [m];
+#: designed gap [m]; distance of the other body's surface beyond the point [m]; 1 if the other body
+#: is b, else -1.  If it is a, the tangent is reversed, so that shear always moves the other body.
 POINT, PLACE, NORMAL, TANGENT, DESIGNED, DESIGN_GAP, BALL, SENSE = 0, 3, 6, 9, 12, 15, 16, 17
 N_SHAPE = 18
 
-#: Steps in which the rotational velocity is found at most; each gains some digits.
+#: Largest number of iterations for the rotational velocity; each gains some digits.
 TURNING = 30
 
 
 class Rotations(NamedTuple):
-    """Rotations of all bodies in their present poses, and scratch."""
+    """Rotations of all bodies in their present poses, and scratch memory."""
 
     added: Array  # (n, 3, 3) rotation less identity
     axes: Array  # (n, 3, 3) columns are the principal axes
-    designed: Array  # (n, 3, 3) likewise, as designed
+    designed: Array  # (n, 3, 3) the same as designed
     spin: Array  # (n, 3) rad/s, rotational velocities along the axes of the world
     moment: Array  # (n, 3) N m, of the contacts, along the axes of the world
 
     @classmethod
     def of(cls, axes: Array) -> Rotations:
-        """Memory for bodies with these principal axes (n, 3, 3), as designed in columns."""
+        """Memory for bodies with designed principal axes, the columns of ``axes`` (n, 3, 3)."""
         n = len(axes)
         return cls(
             added=np.zeros((n, 3, 3)),
@@ -95,7 +97,7 @@ def freeze(slots, bodies, pairs, contacts, n_contacts):
 
 @njit(cache=True)
 def _freeze(slots, centroid, radius, pairs, contacts, n_contacts):
-    """See `freeze`; ``centroid`` (n, 3) that of the bodies, ``radius`` (n_parts,) of parts [m]."""
+    """See `freeze`; ``centroid`` (n, 3) [m] of the bodies, ``radius`` (n_parts,) [m] of parts."""
     meets, value = slots
     pair, of_pair = pairs.of_slot, pairs.which
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
@@ -124,7 +126,7 @@ def _freeze(slots, centroid, radius, pairs, contacts, n_contacts):
 
 @njit(cache=True, inline="always")
 def _rotated(added, body, x, y, z):
-    """What the rotation of a body adds to a vector."""
+    """Change of a designed vector (x, y, z) of a body by its rotation."""
     return (
         added[body, 0, 0] * x + added[body, 0, 1] * y + added[body, 0, 2] * z,
         added[body, 1, 0] * x + added[body, 1, 1] * y + added[body, 1, 2] * z,
@@ -134,7 +136,7 @@ def _rotated(added, body, x, y, z):
 
 @njit(cache=True)
 def locate(contacts, n_contacts, loads, motion, slots, pairs):
-    """Geometry of the contacts in the present poses, to their slots."""
+    """Write the geometry of the contacts in the present poses to their slots."""
     pose, centroid, added = motion.pose, loads.centroid, motion.rotation.added
     slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
     value = slots.value
@@ -161,7 +163,7 @@ def locate(contacts, n_contacts, loads, motion, slots, pairs):
 
 @njit(cache=True)
 def place(motion):
-    """Bring what is known of the bodies' rotations up to date with the poses."""
+    """Calculate the rotations and axes of all bodies from their poses."""
     for i in range(motion.pose.shape[0]):
         _place(
             motion.pose, i, motion.rotation.added, motion.rotation.axes, motion.rotation.designed
@@ -170,7 +172,7 @@ def place(motion):
 
 @njit(cache=True, inline="always")
 def _place(pose, i, added, axes, designed):
-    """Rotation less identity, and axes of body i."""
+    """Fill the rotation less identity and the axes of body i."""
     fill_rotation(pose, i, added)
     for d in range(3):
         for j in range(3):
@@ -178,11 +180,11 @@ def _place(pose, i, added, axes, designed):
             axes[i, d, j] = designed[i, d, j] + (rotated + added[i, d, 2] * designed[i, 2, j])
 
 
-# Long: one pass over a contact's geometry, law and forces, without what calls would cost.
+# Long: one pass over a contact's geometry, law and forces, without the cost of calls.
 @njit(cache=True)
 def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
-    """Add the contacts' forces on the bodies, with their law; returns the friction's work [J],
-    which is added to what it was."""
+    """Evaluate the joint law of the contacts, and add their forces on the bodies; returns the
+    accumulated work of friction [J]."""
     edge, other, shape, law = contacts.edge, contacts.other, contacts.shape, contacts.law
     history, reaction, status = contacts.history, contacts.reaction, contacts.status
     pose, velocity, force, centroid = motion.pose, motion.velocity, motion.force, loads.centroid
@@ -263,7 +265,7 @@ def act(contacts, n_contacts, motion, loads, dt, keep_bonds, friction_work):
 
 @njit(cache=True)
 def _spins(velocity, axes, spins, moment):
-    """Rotational velocities along the axes of the world, and no moments yet."""
+    """Fill the rotational velocities along the axes of the world, and set the moments to zero."""
     for i in range(velocity.shape[0]):
         x, y, z = velocity[i, 3], velocity[i, 4], velocity[i, 5]
         for d in range(3):
@@ -282,7 +284,7 @@ def _about_axes(moment, axes, force):
 
 @njit(cache=True)
 def _take_on(velocity, inverse_mass, i, dt):
-    """Rotational velocity of body i that takes it on by a step, from that where its axes are."""
+    """Rotational velocity s of body i by which it rotates in a step; see the module's text."""
     wx, wy, wz = velocity[i, 3], velocity[i, 4], velocity[i, 5]
     jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
     lx, ly, lz = wx / jx, wy / jy, wz / jz
@@ -292,7 +294,7 @@ def _take_on(velocity, inverse_mass, i, dt):
         x, y, z = jx * x, jy * y, jz * z
         change = abs(x - wx) + abs(y - wy) + abs(z - wz)
         wx, wy, wz = x, y, z
-        if not change < before or change == 0.0:  # as near as rounding lets it come
+        if not change < before or change == 0.0:  # converged to rounding
             break
         before = change
     return wx, wy, wz
@@ -300,7 +302,8 @@ def _take_on(velocity, inverse_mass, i, dt):
 
 @njit(cache=True)
 def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
-    """Rotational velocity of body i where its axes are now, from that which took it there."""
+    """Store the rotational velocity of body i along its axes after it has rotated by s dt, with s =
+    (wx, wy, wz)."""
     jx, jy, jz = inverse_mass[i, 3], inverse_mass[i, 4], inverse_mass[i, 5]
     half = 0.5 * dt
     lx, ly, lz = rotated(-half * wx, -half * wy, -half * wz, wx / jx, wy / jy, wz / jz)
@@ -309,7 +312,8 @@ def _bring(velocity, inverse_mass, i, wx, wy, wz, dt):
 
 @njit(cache=True)
 def move(motion, loads, origin, dt, reach, gyroscopic):
-    """Bring poses on by the velocities; whether a body is too far from its ``origin``, or lost."""
+    """Update the poses by the velocities; returns whether a body is farther than ``reach`` [m] from
+    its ``origin`` (n, 7), or its pose is NaN."""
     pose, velocity = motion.pose, motion.velocity
     added, axes, designed = motion.rotation.added, motion.rotation.axes, motion.rotation.designed
     inverse_mass, extent = loads.inverse_mass, loads.extent
@@ -334,13 +338,13 @@ def move(motion, loads, origin, dt, reach, gyroscopic):
         spin(pose, i, vx, vy, vz)
         _place(pose, i, added, axes, designed)
         far += extent[i] * _turned_by(pose, origin, i)
-        moved = moved or not far <= reach  # nor where it is not a number
+        moved = moved or not far <= reach  # also if it is NaN
     return moved
 
 
 @njit(cache=True)
 def _turned_by(pose, origin, i):
-    """By how much a body is turned in one pose against another, twice the sine of half of it."""
+    """Rotation between two poses of a body, as twice the sine of half the angle."""
     w, x, y, z = pose[i, 3], pose[i, 4], pose[i, 5], pose[i, 6]
     a, b, c, d = origin[i, 3], origin[i, 4], origin[i, 5], origin[i, 6]
     vx = a * x - w * b - (c * z - d * y)

@@ -1,8 +1,8 @@
 """Velocities of an implicit step in space, by an interior-point method.
 
-Newton's method on the branches of the law fails where many contacts change their direction of slip.
-With a barrier every contact sticks, slides and opens a little, and comes to one state as the
-barrier is reduced.  That takes 7 to 30 linear systems, nearly independent of the structure.
+Newton's method on the branches of the law fails if many contacts change their direction of slip.
+With a barrier, every contact sticks, slides and opens a little, and comes to one state as the
+barrier is reduced.  This takes 7 to 30 linear systems, nearly independent of the structure.  Then
 Newton's method completes the solution.
 """
 
@@ -31,13 +31,14 @@ from drystone.engines.tie_forces import TieImpulses
 from drystone.law import cones as kernels
 from drystone.linear.block_system import BlockSystem, SingularMatrixError
 
-#: Most iterations, and after how many the barrier is low, or there is nothing to be found.
+#: Largest number of iterations; and the number after which the search is given up if the barrier is
+#: not low yet.
 ITERATIONS, PATIENCE = 40, 30
 
 
 @dataclass
 class Interior:
-    """One search; made anew for every step and spring."""
+    """One search, made anew for every step and every penalty."""
 
     problem: ContactProblem
     system: BlockSystem
@@ -48,7 +49,7 @@ class Interior:
     ties: TieImpulses | None = None
 
     def __post_init__(self) -> None:
-        """Memory, and the law of all contacts."""
+        """Allocate memory, and prepare the table of the contacts' law."""
         n = len(self.centre)
         self.inner, self.change = np.zeros((n, kernels.N_INNER)), np.zeros((n, kernels.N_INNER))
         self.scaling = np.zeros((n, kernels.N_SCALING))
@@ -75,7 +76,7 @@ class Interior:
         )
 
     def steps(self) -> Iterator[bool]:
-        """Iterations; each tells whether Newton's method may do from here."""
+        """Iterate; each iteration yields whether Newton's method is to be tried from here."""
         for k in range(ITERATIONS):
             try:
                 far = self.step()
@@ -86,7 +87,7 @@ class Interior:
             yield (k % 2 == 0 and self.energy < NEAR_BARRIER * self.first) or far < LEAST_ITERATION
 
     def step(self) -> float:
-        """One iteration; the length of it that was taken, at most 1."""
+        """One iteration; returns the step length, at most 1."""
         joint = self.joint
         self.energy = kernels.scale(joint, self.inner, self.scaling)
         tangent = self.system.tangent
@@ -112,7 +113,8 @@ class Interior:
         return far
 
     def _length(self) -> float:
-        """How far all may go: pairs may leave their cones where they can be put back."""
+        """Step length for all contacts.  Pairs may leave their cones if they can be projected
+        back."""
         joint, inner, change = self.joint, self.inner, self.change
         far, least = kernels.length(joint, inner, change, 0.0)
         while far > least and kernels.slip_rotates_too_far(joint, far, inner, change, 0.0):

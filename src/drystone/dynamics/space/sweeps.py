@@ -17,8 +17,8 @@ from drystone.law.impulse import (
     projected_impulse_in_space,
 )
 
-#: Columns of how a contact slides: direction of its friction, and what of a change of the trial
-#: impulse across it is one of the impulse.
+#: Columns of ``slip``, for contacts that slide: direction of the friction (two columns); and the
+#: share of a change of the trial impulse across this direction that the impulse takes over.
 ALONG_1, ALONG_2, ACROSS = 0, 1, 2
 N_SLIP = 3
 
@@ -27,7 +27,7 @@ WITHIN = Interior
 
 
 def sense(piece: IntArray, slip: Array) -> Array:
-    """Directions in which contacts slide, else 0, (n_contacts, 2)."""
+    """Directions in which contacts slide, (n_contacts, 2); zeros for others."""
     return np.where(piece[:, None] == FORWARD, slip[:, :ACROSS], 0.0)
 
 
@@ -65,8 +65,7 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
 
 @njit(cache=True)
 def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piece, slip):
-    """As `plane.sweeps.penalty_law`; ``slip`` (n_contacts, 3) tells how contacts slide, see
-    `ALONG_1`."""
+    """As `plane.sweeps.penalty_law`; also fills ``slip`` (n_contacts, 3), see `ALONG_1`."""
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
     for c in range(gap.shape[0]):
@@ -84,7 +83,7 @@ def penalty_law(dof, problem, h, penalty, centre, stuck, velocity, impulse, piec
 
 @njit(cache=True)
 def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip):
-    """As `plane.sweeps.branch_law`; what slides does so along ``centre``, ``slip`` is filled."""
+    """As `plane.sweeps.branch_law`; contacts slide along ``centre``, and ``slip`` is filled."""
     table, gap = problem.contacts.table, problem.gap
     contact_velocities(dof, problem.contacts, velocity, impulse)
     for c in range(gap.shape[0]):
@@ -107,7 +106,8 @@ def branch_law(dof, problem, h, penalty, centre, piece, velocity, impulse, slip)
 
 @njit(cache=True)
 def branches(problem, impulse, piece):
-    """The branches that impulses lie on, in place: see `penalty_law`."""
+    """Fill ``piece`` (n_contacts,) with the branches to which impulses belong; see
+    `penalty_law`."""
     table = problem.contacts.table
     for c in range(impulse.shape[0]):
         size = np.sqrt(impulse[c, 1] * impulse[c, 1] + impulse[c, 2] ** 2)
