@@ -1,4 +1,4 @@
-"""Limit analysis: the load that brings rigid blocks down, and how."""
+"""Limit analysis: the load under which rigid blocks collapse, and their mechanism."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drystone.limit.search import least_standing
     from drystone.limit.watch import watched
 
-#: Where the other names are.  Their modules take long to import and wait until a name is used.
+#: Modules of the other names.  They take long to import, so they are imported when a name is used.
 _PLACES = {
     "Collapse": "collapse",
     "NonAssociativeSettings": "non_associative",

@@ -10,11 +10,12 @@ its slip, and whose power balance gives the upper bound
 
     lambda = (D(u) - G.u) / F.u,      D = sum over contacts of (c + mu l) |v_t| - l v_n
 
-with l the normal force at which a contact gives way in tension.  In the plane, where t is a number,
-the program is linear; in space friction is a round cone.  Two further programs of the same kind
-tell what is the matter where there is no such multiplier: how much of the dead load alone can be
-carried (all of it, or the structure does not stand), and whether forces exist that carry the load
-pattern by itself (then friction locks the structure and no multiple of it brings it down).
+with l the normal force at which a contact opens in tension.  In the plane, t is a number and the
+program is linear; in space, the friction cone is round.  Two further programs of the same kind
+explain why there is no such multiplier.  One finds the share of the dead load that can be carried;
+if it is less than one, the structure does not stand.  The other finds whether forces can carry the
+load pattern by itself; then friction locks the structure, and no multiple of the load makes it
+collapse.
 """
 
 from __future__ import annotations

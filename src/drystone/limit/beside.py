@@ -1,4 +1,4 @@
-"""Limit analysis beside a pushover curve: two multipliers, quickly, or why there are none."""
+"""Limit analysis beside a pushover curve: two multipliers, found quickly, or why there are none."""
 
 from __future__ import annotations
 

@@ -35,19 +35,21 @@ from drystone.model.model import Model
 NO_FORCE = 1e-7
 #: Blocks slower than this share of the fastest count as at rest in a mechanism.
 AT_REST = 1e-6
-#: The same of a fall, which is found to 1e-8 at best and slower where it is just beginning.
+#: The same for a fall under the dead load, which is found to 1e-8 at best, and less precisely where
+#: it is just beginning.
 FALLING = 1e-3
-#: Paths to non-associative states by default, and from how many blocks on it is only one.
+#: Default number of paths to non-associative states, for small and for large structures; and the
+#: number of blocks from which a structure is large, by the dimension.
 MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
-#: Multipliers that differ by less than this share are one.
+#: Relative difference of multipliers below which a sentence counts them as equal.
 DIFFERENT = 1e-4
-#: States whose multipliers differ by less than this share have one: it is known no better in space.
+#: Relative difference below which two states have the same multiplier: the accuracy in space.
 SAME_STATE = 3e-7
-#: Solutions for a rotated load, and change of the multiplier below which it has converged: as
-#: finely as it is known, a non-associative one in space to some 3e-7.
+#: Largest number of solutions for a rotated load; and the relative change of the multiplier below
+#: which it has converged: its accuracy, which for non-associative ones in space is some 3e-7.
 TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
-#: Multiplier above which a structure is taken to stand on a ground that is turned upright: that of
-#: 89.94 degrees; and by how much farther it is turned next where strengths grow as fast.
+#: Multiplier above which a structure counts as standing on a ground that is turned upright: that of
+#: 89.94 degrees; and the factor by which the ground is turned farther if strengths grow as fast.
 UPRIGHT, FARTHER = 1e3, 10.0
 #: Blocks named in a sentence.
 MOST_NAMES = 8
@@ -65,37 +67,39 @@ class Collapse:
 
     flow: str
     load_multiplier: float
-    """Collapse multiplier, of several states the lowest; nan where bracketed, unstable or failed,
-    inf where locked."""
+    """Collapse multiplier; the lowest of several states; nan if the status is bracketed, unstable
+    or failed, inf if it is locked."""
     collapse_range: tuple[float, float]
-    """Lowest and highest multiplier of all collapse states that were found; where bracketed, what
-    no collapse state lies below and none above."""
+    """Lowest and highest multiplier of all collapse states that were found.  If the status is
+    bracketed, bounds between which all collapse states lie."""
     upper_bound: float
-    """What no structure of these blocks exceeds in its designed shape: the associative multiplier,
-    where blocks meet at corners (`limit.edges`) with all that these can carry; inf where friction
-    may carry any multiple."""
+    """Upper bound of the multiplier of any structure of these blocks in its designed shape.  It is
+    the associative multiplier; if blocks meet at corners (`limit.edges`), with all that these can
+    carry.  It is inf if friction may carry any multiple."""
     status: str
     reason: str
     velocities: Array
     """Mechanism, (n, n_dof) [m, rad]: rates of motion, in space with rotations about the axes of
     the world; the fastest vertex has 1."""
     contacts: ContactForces | None
-    """Forces at collapse, None where there is none."""
+    """Contact forces at collapse; None if there is no collapse state."""
     moving: tuple[str, ...]
     """Blocks that move in the mechanism."""
     duality_gap: float
-    """Multiplier by the mechanism's power less that of the forces, over the latter or 1."""
+    """Difference of the multipliers by the power of the mechanism and by the forces, over the
+    latter, or over 1 if that is larger."""
     residual: float
     """Largest unbalanced force or moment on a block, over the heaviest weight (times its size)."""
     friction_violation: float
     """Largest excess over the joint law, over the heaviest weight."""
     dilatancy_violation: float
-    """Largest deviation from the flow rule: closing, or opening of contacts that carry force, over
-    the fastest contact."""
+    """Largest deviation from the flow rule, over the velocity of the fastest contact: closing of a
+    contact, or opening of a contact that carries force."""
     n_iterations: int
-    """Programs and factorisations of all paths (non-associative), else steps of one."""
+    """Non-associative: programs and factorisations of all paths; associative: iterations of the one
+    program."""
     tie_forces: Array | None = None
-    """Of ties at collapse, (n_ties,) [N], tension positive; None where there are none."""
+    """Forces of ties at collapse, (n_ties,) [N], tension positive; None if there are no ties."""
     n_paths: int = 1
     """Paths that ended in a certified collapse state."""
 
@@ -140,13 +144,13 @@ def collapse_load(
         "associative": joints slide with a dilatancy angle that equals the friction angle, which
         gives an upper bound.
     settings
-        Of the non-associative scheme.  By default eight paths, and one from 200 blocks on, in
-        space from 50, where a path takes seconds.
+        Settings of the non-associative scheme.  The default is eight paths, but one path from 200
+        blocks on, in space from 50 on, because a path then takes seconds.
 
     Raises
     ------
     ValueError
-        There is no such flow.
+        There is no flow rule of this name.
     """
     if flow not in FLOWS:
         raise ValueError(f'there is no flow "{flow}": take {" or ".join(FLOWS)}')
@@ -160,7 +164,7 @@ def collapse_loads(
     flows: Sequence[str] = FLOWS,
     settings: NonAssociativeSettings | None = None,
 ) -> tuple[Collapse, ...]:
-    """The same for several flows at once, which share their work."""
+    """`collapse_load` for several flow rules at once, which share a part of the calculation."""
     edges = Edges.of(model.assembly)
     equilibrium = _balance(model, contact_points(model.assembly, edges=edges))
     if model.settlement is not None:
@@ -173,8 +177,8 @@ def collapse_loads(
 
 
 def bound_with(model: Model, points: ContactPoints) -> float:
-    """The associative multiplier with other contact points than those of the joints: inf where
-    they carry any multiple of the load, nan where the structure does not stand on them."""
+    """The associative multiplier with other contact points than those of the joints.  It is inf if
+    they carry any multiple of the load, nan if the structure does not stand on them."""
     (found,) = _of_flows(model, _balance(model, points), (ASSOCIATIVE,), None, None)
     return found.load_multiplier
 
@@ -191,7 +195,8 @@ def _of_flows(
     settings: NonAssociativeSettings | None,
     most: float | None,
 ) -> tuple[Collapse, ...]:
-    """``most`` is the upper bound where it is not the associative multiplier."""
+    """Results for several flow rules; ``most`` is the upper bound if it is not the associative
+    multiplier, else None."""
     bonds = equilibrium.cohesion.any() or equilibrium.tension.any()
     if model.load.turns_gravity and (bonds or equilibrium.untilted is not None):
         return tuple(_tilted(equilibrium, flow, settings, most) for flow in flows)
@@ -204,12 +209,12 @@ def _tilted(
     settings: NonAssociativeSettings | None,
     most: float | None,
 ) -> Collapse:
-    """Collapse under a load that decreases as it rotates, by the cosine of the angle.
+    """Collapse under a load that rotates, and decreases by the cosine of the angle.
 
-    Strengths, and loads that do not decrease, count by as much more.  For friction alone that makes
-    no difference; else the angle at which they count is found by secants.
+    Relative to this load, strengths and loads that do not decrease grow with the angle.  Friction
+    alone does not.  The angle of collapse is found by the secant method.
     """
-    angle, before, same = 0.0, None, SAME_TILT[flow]  # the angle by its tangent
+    angle, before, same = 0.0, None, SAME_TILT[flow]  # the tangent of the angle
     beside = equilibrium.untilted
     for _ in range(TILTS):
         growth = float(np.hypot(1.0, angle))
@@ -276,7 +281,7 @@ def _collapses(
 
 
 def default_paths(assembly: Assembly) -> int:
-    """Paths of the non-associative scheme where nothing is said about them."""
+    """Default number of paths of the non-associative scheme."""
     return FEW if assembly.n_blocks >= FEW_FROM[assembly.dimension] else MANY
 
 
@@ -301,14 +306,15 @@ class AtRest:
     """Whether a structure stands under its own weight."""
 
     falls: str | None
-    """A sentence where it does not."""
+    """A sentence if it falls, else None."""
     reaction: float | None
-    """Of the supports, upwards [N], by forces that keep the joint law; None where it falls."""
+    """Reaction of the supports, upwards [N], by forces that fulfil the joint law; None if it
+    falls."""
 
 
 def at_rest(model: Model) -> AtRest:
-    """A structure under its own weight and stage after stage of its dead loads: what the supports
-    carry at last, or why it falls."""
+    """Whether a structure stands under its own weight and its dead loads, stage by stage: the
+    reaction of the supports in the last stage, or why it falls."""
     for stage in stages_of(model.dead_loads):
         loads = tuple(load for load in model.dead_loads if load.stage <= stage)
         equilibrium = Equilibrium.of(model.assembly, model.load, loads, model.ties)
@@ -324,13 +330,13 @@ def at_rest(model: Model) -> AtRest:
 
 
 def is_locked(model: Model) -> bool:
-    """Whether no multiple of the load brings the structure down.
+    """Whether no multiple of the load makes the structure collapse.
 
-    Said before an analysis, which would only press blocks into each other.  Most structures are
-    cleared at once, by a motion as one body that friction cannot stop.  Otherwise friction alone
-    has to carry the pattern, and either the normal forces do so without it or no path of the
-    non-associative scheme comes to a collapse state.  Joints whose dilatancy ends lock nothing by
-    it.
+    This is checked before a pushover analysis, which would only press blocks into each other.  Most
+    structures are not locked because they can move as one body that friction cannot stop, which is
+    checked first.  A structure is locked if friction alone can carry the load pattern, and if, in
+    addition, normal forces can carry it without friction, or no path of the non-associative scheme
+    finds a collapse state.  Dilatancy that ends does not lock a structure.
     """
     model = _past_dilatancy(model)
     equilibrium = Equilibrium.of(model.assembly, model.load, model.dead_loads, model.ties)
@@ -345,7 +351,7 @@ def is_locked(model: Model) -> bool:
 
 
 def _past_dilatancy(model: Model) -> Model:
-    """The model with joints that dilate no more, where their dilatancy ends."""
+    """The model without the dilatancy of joints whose dilatancy ends."""
 
     def past(law: JointLaw) -> JointLaw:
         ends = law.dilatancy_angle > 0.0 and law.dilatancy_end < np.inf
@@ -388,7 +394,7 @@ def _associative(equilibrium: Equilibrium, answer: Answer, bound: float) -> Coll
 
 
 def _at_corners(multiplier: float, bound: float) -> str:
-    """What is said of an upper bound that is another one than the associative multiplier."""
+    """The clause on an upper bound that differs from the associative multiplier."""
     if bound == np.inf:
         return "; load carried between blocks that meet at a corner may keep it at any multiplier"
     if not _differ(multiplier, bound):
@@ -403,10 +409,10 @@ def _non_associative(
     associative: float,
     upper: float,
 ) -> Collapse:
-    """``associative`` is the multiplier with the same joints, ``upper`` what no structure of these
-    blocks exceeds."""
+    """The result of all ``paths``.  ``associative`` is the multiplier with the same joints,
+    ``upper`` the upper bound for any structure of these blocks."""
     if not paths.states:
-        # Where friction can carry any multiple, paths may climb for ever instead.
+        # If friction can carry any multiple, multipliers of paths may grow without end.
         if associative == np.inf or paths.n_unbounded:
             return _without(equilibrium, NON_ASSOCIATIVE, "locked", LOCKED)
         if not np.isfinite(associative):
@@ -454,9 +460,10 @@ def _non_associative(
 
 
 def _lowest(equilibrium: Equilibrium, states: Sequence[State], tangent: Array) -> State:
-    """The state of the lowest multiplier; of those that share it, the one nearest to the flow rule.
+    """The state with the lowest multiplier; among equal ones, that with the least deviation from
+    the flow rule.
 
-    Mechanisms of the curves in `coulomb_path` are off by what is left of their smoothing, those of
+    Mechanisms of the curves in `coulomb_path` deviate by their remaining smoothing, those of
     programs by rounding.
     """
     lowest = min(state.multiplier for state in states)
@@ -465,7 +472,7 @@ def _lowest(equilibrium: Equilibrium, states: Sequence[State], tangent: Array) -
 
 
 def _unbalanced_power(equilibrium: Equilibrium, state: State) -> float:
-    """Multiplier by the power of the state's own contact forces less the state's multiplier."""
+    """Multiplier by the power of the state's contact forces, less the state's multiplier."""
     contact = float(np.sum(state.forces * equilibrium.relative(state.velocity)))
     dead = float(equilibrium.dead @ state.velocity)
     live = float(equilibrium.live @ state.velocity)
@@ -473,10 +480,12 @@ def _unbalanced_power(equilibrium: Equilibrium, state: State) -> float:
 
 
 def _flow_deviation(equilibrium: Equilibrium, state: State, tangent: Array) -> float:
-    """Largest closing over the fastest contact, or opening of a contact that carries force.
+    """Largest deviation of a state from the flow rule ``tangent`` (n_contacts,).
 
-    Of the latter the lesser of the two, opening over the fastest contact and force beyond the least
-    over the heaviest weight: one of them is nothing in a state.
+    For contacts that close too much, it is the velocity over that of the fastest contact.  For
+    contacts that open, it is the smaller of two numbers, of which one is zero in an exact state:
+    the opening over the fastest contact, and the force above the least normal force over the
+    heaviest weight.
     """
     relative = equilibrium.relative(state.velocity)
     largest = float(np.abs(relative).max(initial=0.0))
@@ -500,7 +509,7 @@ def _unstable(
 
 
 def _strengths(assembly: Assembly) -> str:
-    """What joints may have too little of."""
+    """The strengths of which joints may have too little."""
     return "friction or compressive strength" if crushes(assembly.laws) else "friction"
 
 
@@ -556,7 +565,7 @@ def _moving(assembly: Assembly, velocities: Array, slowest: float = AT_REST) -> 
 
 
 def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> ContactForces:
-    """Forces in newton, with what each contact does in the mechanism."""
+    """Contact forces in newtons, with the status of each contact in the mechanism."""
     points, n = equilibrium.points, equilibrium.n_joined
     relative = equilibrium.relative(velocity)[:n]
     largest = float(np.abs(relative).max(initial=0.0))
@@ -578,7 +587,7 @@ def _contacts(equilibrium: Equilibrium, forces: Array, velocity: Array) -> Conta
 
 
 def _differ(low: float, high: float) -> bool:
-    """Whether two multipliers are two in print."""
+    """Whether two multipliers differ enough to be printed as two."""
     return high - low > DIFFERENT * max(abs(low), 1e-3)
 
 

@@ -1,19 +1,21 @@
 """Joints that are crushed, in limit analysis: a largest normal force at every contact point.
 
-A joint carries a block of stress: with the width a = N / f_c t its resultant is no nearer to an
-edge than a / 2.  It is taken as many points, of which each carries at most f_c times its share of
-the area: what a stress does there, spread by functions that are linear between points, and one at
-their own.  Of any stress they keep force and moments, so that the region of these is a polyhedron
-around that of the block: the resultant comes nearer to the edge, by h^2 / 8a at most, h the
-distance of the points where the block ends, and so multipliers are a little high.
+A crushed joint carries a block of constant stress f_c of width a = N / f_c t, so that its resultant
+is no nearer to an edge than a / 2.  Here the joint has many points, of which each carries at most
+f_c times its share of the area.  Any stress is distributed to the points by functions that are
+linear between points, one at their own point and zero at the others.  This keeps force and moments.
+So the possible forces and moments form a polyhedron around those of the stress block.  The
+resultant may come nearer to the edge, by h^2 / 8a at most, with the distance h of the points where
+the block ends.  So multipliers are slightly too high.
 
 In the plane the points are a row at equal distances.  In space every corner of the joint has a
 grid, in the quadrilateral between it, the middles of its two sides and the joint's middle; the
 points of a rectangle are at (1 - cos(k pi / n)) / 2 of its sides, so that h^2 / 8a is no more than
 (pi / n)^2 / 8 of them, however small a is.
 
-For the programs a largest force C is one contact point more, on no block and without friction: it
-carries what is left of C, which is not negative, and a row of its own holds the two together.
+In the programs, a largest force C is represented by a further contact point, on no block and
+without friction.  It carries the remaining strength, which is not negative.  A row of its own
+states that both forces add up to C.
 """
 
 from __future__ import annotations

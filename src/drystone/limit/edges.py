@@ -3,19 +3,20 @@
 The contacts are those that the engines find in the designed shape, with the gap up to which faces
 touch.  A block that rests on an edge, or hangs in a notch, has no other joints.
 
-Parts that a face of one alone separates can only move apart along its normal, and the contact is a
-joint like any other.  Others are separated as well by faces of several directions: blocks at a
-crossing of joints that run through, which have an edge in common, or blocks corner to corner.  They
-*meet at a corner*, and are free to move apart along any one of those normals.  Such velocities are
-no convex set.  With the contact along one normal a course could not slide past the one below,
-where head joints run through; with none nothing is carried across the edge.  The latter is what
-joints of limit analysis are, as edges are never quite sharp.  What is carried across lies between
-normals, in the sum of the cones around all of them, which bounds it.
+If only one face separates two parts, they can only move apart along its normal, and the contact is
+a joint like any other.  Other parts are separated equally well by faces of several directions.
+Examples are blocks with a common edge, where joints that run through cross, and blocks corner to
+corner.  Such parts *meet at a corner*, and may move apart along any one of these normals.  The
+possible velocities are not a convex set.  With a contact along one normal, a course could not slide
+past the one below if head joints run through.  Without a contact, no force acts across the edge.
+Limit analysis has no contact here, because edges are never quite sharp.  Any force across the edge
+lies between the normals, in the sum of the cones around all of them, which gives a bound.
 
 An edge in a notch is no such corner.  The part on either side of the notch's root allows motion
-along several normals, but both together only along those of the notch.  Where two blocks touch in
-one place by several parts, each choice of a normal for each part leaves a cone of velocities; where
-one choice's holds those of all others, they are free along that one, and the contacts are joints.
+along several normals, but both parts together only along those of the notch.  If two blocks touch
+in one place by several parts, each choice of one normal for each part allows a cone of velocities.
+If the cone of one choice contains those of all others, the blocks are free along this choice, and
+the contacts are joints.
 """
 
 from __future__ import annotations

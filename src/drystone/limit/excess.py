@@ -1,15 +1,15 @@
-"""Why a curve lies above the associative multiplier: four causes, each looked for at the point.
+"""Why a curve lies above the associative multiplier: four causes, which are checked at its point.
 
 Limit analysis bounds what rigid blocks carry at rest in their designed shape, by the joints that
 they have there.  Before or at the point
 
 1. a part has moved by itself: an event, and the multiplier is that of what stands afterwards;
-2. blocks are in motion, as those of `nscd` are, and the multiplier is read off the motion of its
-   step.  On the mechanism of limit analysis the contact forces carry no more than the bound (see
-   `against`); at rest they would carry the same on any;
-3. blocks carry each other that share no joint: at corners where they meet (see `edges`), or that
-   did not touch as designed.  Limit analysis with their contacts as well then carries as much;
-4. else blocks have moved, and the place of joints and weights with them.
+2. blocks are in motion, as with `nscd`, and the multiplier follows from the motion of the step.  On
+   the mechanism of limit analysis, the contact forces carry no more than the bound (see `against`);
+   at rest they would carry the same multiplier on any mechanism;
+3. blocks without a common joint carry each other: at corners where they meet (see `edges`), or
+   because they have moved together.  Limit analysis with these contacts then gives as much;
+4. otherwise blocks have moved, and with them the places of joints and weights.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Names of the flow rules of joints in limit analysis."""
 
-#: Joints dilate by their friction angle; and by their own dilatancy angle.
+#: Joints dilate by their friction angle; or by their own dilatancy angle.
 ASSOCIATIVE, NON_ASSOCIATIVE = "associative", "non-associative"
 FLOWS = (ASSOCIATIVE, NON_ASSOCIATIVE)

@@ -1,9 +1,9 @@
 """Joints of an assembly as designed, each reduced to contact points at its corners.
 
-Limit analysis works in the designed shape: a joint is where faces of two blocks lie on each other,
-and all it can carry is carried by forces at its corners, in the plane at its two ends.  Where edges
-are rounded or cut off the corners lie back from them, as far as the contact shapes reach.  Blocks
-that touch in less than a face have the contacts of the engines, see `edges`.
+Limit analysis works in the designed shape.  A joint is the area in which faces of two blocks lie on
+each other.  Any stress in it can be replaced by forces at its corners, in the plane at its two
+ends.  If edges are rounded or cut off, the corners are set back to the end of the contact shapes.
+Blocks that touch in less than a face have the contacts of the engines, see `edges`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from drystone.model.assembly import Assembly
 
 @dataclass(frozen=True, kw_only=True)
 class ContactPoints:
-    """The points where blocks can push on each other, one row each; arrays of any dimension."""
+    """The points at which blocks can exert forces on each other, one row each; in the plane and in
+    space."""
 
     block_a: IntArray  # (n_contacts,) row in the assembly
     block_b: IntArray  # (n_contacts,)
@@ -34,9 +35,9 @@ class ContactPoints:
     friction: Array  # (n_contacts,) tangent of the friction angle
     dilatancy: Array  # (n_contacts,) tangent of the dilatancy angle
     cohesion: Array  # (n_contacts,) N, of the point's share
-    tension: Array  # (n_contacts,) N, likewise
-    crushing: Array  # (n_contacts,) N, likewise; infinite where joints are not crushed
-    joint: IntArray  # (n_contacts,) row of the joint, whose corners go round; -1 of none
+    tension: Array  # (n_contacts,) N, of the point's share
+    crushing: Array  # (n_contacts,) N, of the point's share; infinite if joints are not crushed
+    joint: IntArray  # (n_contacts,) row of the joint, whose corners follow each other; -1: none
 
     @property
     def n_contacts(self) -> int:
@@ -64,13 +65,13 @@ def contact_points(
     Parameters
     ----------
     set_back
-        How far from the edges of the faces the points lie [m], instead of where the treated corners
-        of the blocks leave them.  Edges on faces touch nothing then.
+        Distance of the points from the edges of the faces [m], instead of that which follows from
+        the treated corners of the blocks.  Edges on faces then have no contacts.
     edges
-        Where blocks touch in less than a face, if that is known already.
+        Where blocks touch in less than a face, if this is known already.
     corners
-        Whether blocks that meet at a corner have contacts, too, in all directions: what is carried
-        across is no more than what these can carry.
+        Whether blocks that meet at a corner also have contacts, in all possible directions.  These
+        contacts bound the forces that such blocks exert on each other.
     """
     joints = assembly.interfaces
     shapes, setback = _setbacks(assembly, set_back)

@@ -1,4 +1,4 @@
-"""Ties in limit analysis: strengths along the lines as drawn.
+"""Ties in limit analysis: bars with a strength, in their designed directions.
 
 A tie carries T between -S or zero and its strength S.  For the programs it is two contact points
 without friction.  The first, between its two blocks, has the normal force -T and the tensile
