@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.common.compiled import njit
 from drystone.common.tolerances import AT_CONE, FULLY_SOFTENED, GRAZE
-from drystone.law.branches import OPEN, STICKING
+from drystone.contact.forces import OPEN, SLIDING, STICKING
 from drystone.law.columns import (
     BROKEN,
     BY_CRUSHING,
@@ -38,7 +38,6 @@ from drystone.law.columns import (
     YIELDS,
 )
 from drystone.law.plane import slide
-from drystone.law.status import SLIDING
 
 
 @njit(cache=True)

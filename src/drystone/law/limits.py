@@ -20,8 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import BRANCH_TIE
-from drystone.contact.contacts import CRUSH, FRICTION, INTERCEPT, TRIAL_N
+from drystone.contact.contacts import CRUSH, FRICTION, TRIAL_N
 from drystone.law.branches import CRUSHED, TORN, WITHIN, across_joint
 
 
@@ -45,9 +44,3 @@ def limited_normal(table, c, branch):
 def friction_in(table, c, branch):
     """Derivative of the largest shear by the normal trial reaction in a branch."""
     return table[c, FRICTION] if across_joint(branch) == WITHIN else 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def yields(table, c):
-    """Whether a contact has a cohesion intercept, or its trial reaction crushes it."""
-    return table[c, INTERCEPT] > 0.0 or table[c, TRIAL_N] > crushing(table, c) * (1.0 - BRANCH_TIE)

@@ -75,11 +75,6 @@ class Reached(NamedTuple):
     crushed: Array  # m
     gap: Array  # m, less what was crushed
 
-    def at(self, source: IntArray) -> Reached:
-        """The state taken from slots ``source`` (n_slots,); a new contact, -1, keeps that of its
-        own slot."""
-        return Reached(*(np.where(source >= 0, a[source], a) for a in self))
-
 
 class Strengths:
     """Strengths of all joint laws of an assembly, per area."""

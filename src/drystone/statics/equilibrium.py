@@ -162,18 +162,12 @@ def _begins(
         multiplier=multiplier,
         reaction=state.reaction,
         slope=np.nan if state.softened else state.slope,
-        unstable=_to_leave(state),
+        unstable=state.unstable,
+        # A crushed joint is stiffer as soon as it unloads: a mode of the tangent holds in one sense
+        # only.
+        may_leave=not crushes(state.prepared.assembly.laws),
         in_vain=state.in_vain,
     )
-
-
-def _to_leave(state: EquilibriumState) -> int:
-    """Number of unstable equilibria in a row that the structure would leave.
-
-    It is zero for structures whose joints may be crushed.  A crushed joint is stiffer as soon as it
-    unloads, so that a mode of the tangent holds in one sense only.
-    """
-    return 0 if crushes(state.prepared.assembly.laws) else state.unstable
 
 
 class EquilibriumEngine(Engine[EquilibriumState]):

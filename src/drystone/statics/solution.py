@@ -154,6 +154,7 @@ class StepStart:
     repeats: bool = False  # whether the guess is where the step ended with other strengths
     slope: float = math.nan  # 1/m, of the curve, if it is known
     unstable: int = 0  # unstable equilibria in a row, the one at the start included
+    may_leave: bool = True  # whether a stable equilibrium is looked for beside an unstable one
     in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
 
 
@@ -251,7 +252,8 @@ def _by_iterations(
     along, found, in_vain = start.along if follows else None, None, start.in_vain
     # A single unstable equilibrium says little: a stable one nearly always lies within
     # micrometres.  If several follow in a row, the structure is on a branch that it would leave.
-    leaves = prescribed is None or (start.unstable > 0 and _due(start.unstable))
+    due = prescribed is None or (start.unstable > 0 and _due(start.unstable))
+    leaves = start.may_leave and due
     if along is not None:
         # If many contacts change their branch in each step, this nearly always fails.
         if _due(in_vain):
