@@ -61,9 +61,6 @@ class InteriorSettings:
     lost: float = tolerances.LOST_SUPPORT
 
 
-#: Largest number of iterations of the last attempt.
-SLOW_ITERATIONS = 200
-
 #: Iterations in a row without progress after which contacts are centred anew; and how often they
 #: are.
 STALLED, RECENTRED = 4, 4
@@ -72,19 +69,6 @@ STALLED, RECENTRED = 4, 4
 #: iterations of the interior-point method, and at the start of a step.  Then: iterations after
 #: which it is tried again if the branches can be told.
 NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
-
-
-@dataclass(frozen=True, kw_only=True)
-class Attempt:
-    """One attempt of the interior-point method: its first barrier, and its limits."""
-
-    barrier: float  # over the energy of a mean block's weight
-    by_residual: bool = False  # whether the barrier grows with the unbalanced force
-    by_increment: bool = False  # whether the barrier grows with the length of the step
-    second: bool = True  # whether second-order terms of the predictor are used
-    iterations: int = 60  # largest number
-    least_damping: float = 0.0  # 1/s2, see `lu_numeric.factorise`
-    soon: bool = False  # whether the attempt is given up if a part is unsupported
 
 
 class InteriorPoint:
@@ -173,8 +157,18 @@ class InteriorPoint:
 
     # The interior.
 
-    def interior(self, attempt: Attempt) -> bool:
-        """Reduce the barrier to zero; whether that ends in an equilibrium."""
+    def interior(self, iterations: int, *, soon: bool = False, least_damping: float = 0.0) -> bool:
+        """Reduce the barrier to zero; whether that ends in an equilibrium.
+
+        Parameters
+        ----------
+        iterations
+            Largest number of them.
+        soon
+            Whether to give up if a part is unsupported.
+        least_damping
+            [1/s2], see `StaticStep.factorise`.
+        """
         step, settings = self.step, self.settings
         n = step.n
         joint, inner = step.table[:n], step.inner[:n]
@@ -183,9 +177,9 @@ class InteriorPoint:
             return self.newton(settings.warm_iterations)
         unit = self.block_weight**2 / float(joint[free, STIFF_N].mean())  # J
         step.damping[:] = 0.0
-        self._centre(attempt, attempt.barrier, unit)
+        self._centre(settings.barrier, unit)
         again, least, since, stalled, recentred = 0, math.inf, 0, 0, 0
-        for k in range(1, attempt.iterations + 1):
+        for k in range(1, iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
             residual = step.balance(step.inside)
             if not math.isfinite(energy + residual):
@@ -204,34 +198,30 @@ class InteriorPoint:
                 return True
             again = k + AGAIN if due and told else again
             damped = float(step.damping.max())
-            if attempt.soon and (damped >= settings.lost or (told and damped > 0.0)):
+            if soon and (damped >= settings.lost or (told and damped > 0.0)):
                 return False
-            if attempt.by_residual and stalled >= STALLED:
+            if stalled >= STALLED:
                 if recentred == RECENTRED:
                     return False
-                self._centre(attempt, tolerances.RECENTRED_BARRIER, unit)
+                self._centre(tolerances.RECENTRED_BARRIER, unit)
                 energy = cones.scale(joint, inner, step.scaling[:n])
                 step.balance(step.inside)
                 step.damping[:] = 0.0
                 stalled, recentred, least, since = 0, recentred + 1, math.inf, k
-            length = self._descend(attempt, energy)
+            length = self._descend(least_damping, energy)
             if not length >= 0.0:
                 return False
             stalled = stalled + 1 if length < tolerances.NO_PROGRESS else 0
         return False
 
-    def _centre(self, attempt: Attempt, barrier: float, unit: float) -> None:
+    def _centre(self, barrier: float, unit: float) -> None:
         """Centre the contacts where the step is, with a ``barrier`` in units of the energy ``unit``
-        [J]."""
+        [J], or more if much is unbalanced."""
         step, settings, n = self.step, self.settings, self.step.n
-        barrier *= unit
-        if attempt.by_residual:
-            step.respond()
-            unbalanced = step.balance(step.reaction) / self.block_weight
-            most = min(settings.unbalanced * unbalanced**2, tolerances.MOST_BARRIER)
-            barrier = max(barrier, most * unit)
-        if attempt.by_increment:
-            barrier += tolerances.BY_REACH * self.block_weight * abs(step.missing)
+        step.respond()
+        unbalanced = step.balance(step.reaction) / self.block_weight
+        most = min(settings.unbalanced * unbalanced**2, tolerances.MOST_BARRIER)
+        barrier = max(barrier, most) * unit
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
     def _try_newton(self, told: bool) -> bool:
@@ -251,7 +241,7 @@ class InteriorPoint:
         step.balance(step.inside)
         return False
 
-    def _descend(self, attempt: Attempt, energy: float) -> float:
+    def _descend(self, least_damping: float, energy: float) -> float:
         """Predictor and corrector with one factorisation.
 
         ``energy`` [J] is that of one contact.  Returns the length of the corrector that was taken,
@@ -261,7 +251,7 @@ class InteriorPoint:
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
-        if not step.factorise(step.inside, attempt.least_damping):
+        if not step.factorise(step.inside, least_damping):
             return math.nan
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
@@ -276,7 +266,7 @@ class InteriorPoint:
             most = tolerances.MOST_REDUCTION
             left = min(reachable / energy, 1.0)  # larger values would give the same share
             share = min(max(left**3, tolerances.LEAST_REDUCTION), most)
-        second = attempt.second and far >= 0.5
+        second = far >= 0.5
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
         far = self._length(ahead, tolerances.SLIP_RADIUS * ahead)

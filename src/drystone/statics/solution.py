@@ -18,8 +18,6 @@ from drystone.engines.base import TOO_FAR, Fold
 from drystone.law.branches import BONDED
 from drystone.statics.equations import TOO_STIFF
 from drystone.statics.interior import (
-    SLOW_ITERATIONS,
-    Attempt,
     InteriorPoint,
     InteriorSettings,
 )
@@ -65,24 +63,13 @@ class _Solver(InteriorPoint):
             if self.newton_from_start():
                 return True
         most = s.max_iterations if full_search else s.few_iterations
-        first = Attempt(barrier=s.barrier, by_residual=True, iterations=most, soon=not full_search)
         step.restart(guess, multiplier)
-        if self.interior(first):
+        if self.interior(most, soon=not full_search):
             return True
         if follows or not full_search or step.prescribed is not None:
-            return False  # a shorter step, or a step in motion, is tried instead
+            return False  # if this is not found, motion or a shorter step is tried
         step.restart(guess, multiplier)
-        if self.interior(replace(first, least_damping=tolerances.LEAST_DAMPING)):
-            return True
-        step.restart(step.given.copy(), multiplier)
-        return self.interior(
-            Attempt(
-                barrier=tolerances.HIGH_BARRIER,
-                by_increment=True,
-                second=False,
-                iterations=SLOW_ITERATIONS,
-            )
-        )
+        return self.interior(most, least_damping=tolerances.LEAST_DAMPING)
 
     def update_contacts(self, most: int) -> bool:
         """Solve again, at most ``most`` times, while blocks press each other at contacts that were
