@@ -3,15 +3,15 @@
     python benchmarks/agreement.py --kinds plane,solids --seeds 1:20:2
     python benchmarks/agreement.py --engines distinct --blocks 12 --seeds 1:12:2
 
-Curves are compared as far as no part of the structure has collapsed: what a heap carries depends on
-how the stones came to lie, which engines tell with dampings of their own.  They are compared up to
+Curves are compared as far as no part of the structure has collapsed.  What a heap carries depends
+on how its stones came to lie, and engines damp this motion differently.  Curves are compared up to
 1.2 times the displacement of the peak, and at three points after: a tenth, a quarter and half of
-the way from there to the last point at rest.  What is told is how far
-a static point of one lies from the other curve, multipliers over the peak and displacements over
-that of the last point at rest, up to the peak the median and the largest of all points; and by how
-much the peaks differ, over the peak.  Where one of them but the largest, which a jump makes that
-comes a step sooner or later, is above 1 %, the structure is listed with all figures, and so is
-every capacity above the associative multiplier, with its cause (`drystone.limit.excess`).
+the way from there to the last point at rest.  What is told is how far a static point of one lies
+from the other curve, multipliers over the peak and displacements over that of the last point at
+rest, up to the peak the median and the largest of all points; and by how much the peaks differ,
+over the peak.  Where one of them but the largest, which a jump makes that comes a step sooner or
+later, is above 1 %, the structure is listed with all figures, and so is every capacity above the
+associative multiplier, with its cause (`drystone.limit.excess`).
 
 A difference is explained where both rest.  Of the static points of the other curve that lie apart,
 above the stop value, three are taken, at a quarter, half and three quarters of how far they reach.
@@ -147,6 +147,7 @@ def compared(
 ) -> Compared:
     """The same structure by another engine."""
     what = {"kind": kind, "seed": seed, "n_blocks": model.assembly.n_blocks, "engine": engine}
+    ours = as_a_whole(ours)
     line = static_branch(ours)
     top, end = ours.peak.control_displacement, float(line[:, 0].max())
     far = top + np.array(AFTER) * (end - top)
@@ -321,8 +322,7 @@ def main() -> None:
                     same = rigid_along(model)
                     beside = within(given.limit, f"{name}, rigid along", partial(traced, same))
                 if beside is not None:
-                    whole = as_a_whole(beside)
-                    runs.append(compared(kind, seed, same, whole, engine, given.limit))
+                    runs.append(compared(kind, seed, same, beside, engine, given.limit))
                     print(runs[-1], flush=True)
     print(summary(runs))
     print("\nDiffer, or could not be compared:")

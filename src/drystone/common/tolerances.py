@@ -297,7 +297,8 @@ AT_CONE = ROUNDING
 #: Share of a contact's reactions by which another branch must fit better before the contact leaves
 #: its branch.  It is needed because a contact that slides starts the next step on its friction
 #: cone, but for rounding.
-#: Range, doubled: peaks by 3e-14, steps the same; halved it is not measured.
+#: Range, ten times more or less: iterations of the solids by 1 %, and of 22 structures of the plane
+#: by 0.6 %, no capacity by 1e-4.  In one of these a part falls at a third of the peak, or does not.
 BRANCH_TIE = 1e-8
 
 #: Excess over the strength, over it, at which a bond is still intact.

@@ -136,8 +136,22 @@ end
 """
 
 
-#: The published strategy in FISH, on top of the functions above and of two that each program has
-#: its own of: ``stop_blocks``, and ``read_control`` (into ``ctl_u``).
+def stop_blocks(velocities: Sequence[str]) -> str:
+    """FISH that stops all blocks, with the names of their velocities in the program."""
+    zeros = "".join(f"    b_{name}vel(ib) = 0.0\n" for name in velocities)
+    return f"""\
+def stop_blocks
+  ib = block_head
+  loop while ib # 0
+{zeros}\
+    ib = b_next(ib)
+  end_loop
+end
+"""
+
+
+#: The published strategy in FISH.  It calls the functions above, and ``read_control``, which each
+#: program writes in its own way and which sets ``ctl_u``.
 PUSHOVER = """\
 ; The strategy of Bouckaert, Godio and de Almeida (2022): the multiplier goes
 ; up by increments as long as the supports carry what is applied; the peak

@@ -94,18 +94,7 @@ def add_up
   end_loop
 end
 {itasca.put_loads(axes)}\
-def stop_blocks
-  ib = block_head
-  loop while ib # 0
-    b_xvel(ib) = 0.0
-    b_yvel(ib) = 0.0
-    b_zvel(ib) = 0.0
-    b_rxvel(ib) = 0.0
-    b_ryvel(ib) = 0.0
-    b_rzvel(ib) = 0.0
-    ib = b_next(ib)
-  end_loop
-end
+{itasca.stop_blocks(("x", "y", "z", "rx", "ry", "rz"))}\
 {itasca.read_carried(axes)}\
 def read_control
   ctl_u = 0.0

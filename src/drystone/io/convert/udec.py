@@ -66,15 +66,7 @@ def add_up
   ctl_y0 = cor_y(ctl_c)
 end
 {itasca.put_loads("xy")}\
-def stop_blocks
-  ib = block_head
-  loop while ib # 0
-    b_xvel(ib) = 0.0
-    b_yvel(ib) = 0.0
-    b_rvel(ib) = 0.0
-    ib = b_next(ib)
-  end_loop
-end
+{itasca.stop_blocks(("x", "y", "r"))}\
 {itasca.read_carried("xy")}\
 def read_control
   ctl_u = (cor_x(ctl_c) - ctl_x0) * read_x + (cor_y(ctl_c) - ctl_y0) * read_y
