@@ -55,7 +55,8 @@ STEP = 1e-3  # m
 # A few rounding errors of numbers of order one.
 ROUNDING = 1e-12
 
-MODEL = stack((0.4, 0.9))
+#: The step that suits it is `STEP`: a two-hundredth of its smallest extent.
+MODEL = stack((0.2, 0.9))
 
 
 def falling(delta):
@@ -544,6 +545,12 @@ class TestPublished:
         late = curve.control_displacement > 0.1
         assert 25 <= (curve.column("status") == DYNAMIC)[late].sum() <= 27
 
+    def test_whether_it_has_collapsed_does_not_depend_on_the_step(self):
+        """With steps of half the length it had collapsed after half of the way."""
+        curve = trace(FallingFreely(dynamic=True), "published", displacement_step=0.5 * STEP)
+        late = curve.control_displacement > 0.1
+        assert 25 <= (curve.column("status") == DYNAMIC)[late].sum() <= 27
+
     def test_it_halves_the_step_where_none_is_found(self):
         structure = SlidingStructure(fails=lambda delta, motion: motion > 0.5 * STEP)
         curve = trace(structure, "published")
@@ -642,6 +649,22 @@ class TestJumps:
         rest = curve.column("status") == STATIC
         at_rest = curve.control_displacement[rest].max()
         assert 0.0 <= curve.ultimate_displacement - at_rest <= STEP
+
+    @pytest.mark.parametrize("step", [1.0, 0.1])
+    def test_how_far_a_jump_goes_in_a_step_does_not_depend_on_the_step_asked_for(self, step):
+        """With short increments, as those to near targets of a history, time steps never grew, and
+        a block fell in thousands of steps."""
+
+        class Falling(JumpingStructure):
+            def step(self, state, demand):
+                new, report = super().step(state, demand)
+                motion = min(1e-3 * demand.time_step**2, 0.5 * STEP)
+                return new, replace(report, motion=motion) if demand.time_step else report
+
+        structure = Falling([-0.2])
+        trace(structure, "displacement", displacement_step=step * STEP)
+        taken = [demand.time_step for demand in structure.demands if demand.time_step]
+        assert max(taken) > 100.0 * taken[0]
 
     @pytest.mark.parametrize(
         ("growth", "looked_for"),
@@ -992,9 +1015,9 @@ class TestEveryStrategy:
     @pytest.mark.parametrize("strategy", ["displacement", "published"])
     def test_a_step_too_coarse_to_see_the_peak_is_refused(self, strategy):
         """A step of 1 m lowered wall 1's peak by a tenth without a word."""
-        with pytest.raises(EngineError, match=r"too coarse .* take at most 0\.08 m"):
-            trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.081)
-        trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.08, max_steps=3)
+        with pytest.raises(EngineError, match=r"too coarse .* take at most 0\.04 m"):
+            trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.041)
+        trace(SlidingStructure(prescribes=True), strategy, displacement_step=0.04, max_steps=3)
 
     STRATEGIES = pytest.mark.parametrize(
         ("strategy", "prescribes"),

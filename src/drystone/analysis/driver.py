@@ -704,14 +704,15 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
     step = {"displacement_step": STEP_SHARE * frame.size, "farthest": farthest}
     said = asdict(engine.preferred_steps(model.assembly))
     preferred = {key: value for key, value in said.items() if value is not None}
+    suited = {**step, **preferred}
     if model.settlement is not None:
-        return _support_control({**step, **preferred, **options}, engine, model, frame)
+        return _support_control({**suited, **options}, engine, model, frame)
     try:
         if strategy == "published":
-            return PublishedControl(
-                _settings(PublishedSettings, frame.time, {**preferred, **step, **options})
-            )
-        chosen = {**step, **preferred, **options}
+            suited = {**preferred, **step}
+        chosen = {**suited, "suited_step": suited["displacement_step"], **options}
+        if strategy == "published":
+            return PublishedControl(_settings(PublishedSettings, frame.time, chosen))
         if model.history is not None:
             return _cyclic({**chosen, "targets": model.history.targets}, engine, frame)
         if engine.capabilities.prescribes_displacement:

@@ -387,9 +387,9 @@ LEAST_LOAD = 0.1 * STOP_MULTIPLIER
 #: a multiplier drop and rise again, though not from next to nothing.  Convention.
 NEXT_TO_NOTHING = 0.01
 
-#: Motion of a block under next to no load, over the largest increment, after which the structure
-#: has collapsed.  Convention: an eighth of the smallest block with the increments of
-#: `published`, half of it or more with those of `equilibrium`.
+#: Motion of a block under next to no load, over the displacement step that suits the structure
+#: (`control.ends.StepSettings.motion_unit`), after which the structure has collapsed.  Convention:
+#: an eighth of the smallest block by `published`, half of it or more by `equilibrium`.
 #: Range: no peak; plane: the same; space: steps by 1.4 %.
 FALL_MOTION = 25.0
 
@@ -546,9 +546,10 @@ LONG_ENOUGH = 5.0
 #: peak; plane: the same; space: steps by 1.6 %.
 SNAP_MOTION = 10.0
 
-#: Motion of a block in a step of a jump, over the largest increment, up to which its time step
-#: grows.  Range: no peak; plane: steps by 0.2 %; space: by 20 % where halved, by -3.5 % where
-#: doubled.
+#: Motion of a block in a step of a jump, over the displacement step that suits the structure, up to
+#: which its time step grows; and over the largest increment, up to which a step may go in which no
+#: motion is expected.  Range: no peak; plane: steps by 0.2 %; space: by 20 % where halved, by
+#: -3.5 % where doubled.
 JUMP_MOTION = 1.0
 
 #: Motion of a block in a step of a jump, over that with the acceleration of the last step, above
@@ -594,9 +595,9 @@ EXCESS = 0.01
 FIRST_EXCESS = 0.1
 LEAST_EXCESS = 1e-5
 
-#: Motion of the control point, in displacement steps, after which the structure has collapsed: in
-#: motion with less than the stop value carried; and, by default, whatever is carried.
-#: Convention; derived: twice the smallest block, with the default increment.
+#: Motion of the control point, over the displacement step that suits the structure, after which the
+#: structure has collapsed: in motion with less than the stop value carried; and, by default,
+#: whatever is carried.  Convention; derived: twice the smallest block.
 EXCESS_FALL = 20.0
 EXCESS_JUMP = 400.0
 

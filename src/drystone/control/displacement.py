@@ -31,8 +31,8 @@ from drystone.common.records import changed
 from drystone.control.base import Decision, Strategy, check_settings
 from drystone.control.ends import (
     End,
-    EndSettings,
     Progress,
+    StepSettings,
     carries_nothing,
     collapsed,
     end_of_curve,
@@ -55,10 +55,9 @@ LONG_AGO = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class DisplacementSettings(EndSettings):
-    """Settings of the steps and of the jumps."""
+class DisplacementSettings(StepSettings):
+    """Settings of the steps and of the jumps.  The displacement step is the largest increment."""
 
-    displacement_step: float  # m, largest increment
     first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
     floor_share: float = tolerances.FLOOR_SHARE  # smallest increment over the largest
     creep_share: float = tolerances.CREEP_SHARE  # first increment of a jump over the largest
@@ -85,8 +84,8 @@ class DisplacementSettings(EndSettings):
     time_step: float = tolerances.JUMP_TIME_STEP  # s, of the first step of a jump
     # Motion of a block, over the increment, above which a step is a jump.
     snap_motion: float = tolerances.SNAP_MOTION
-    # Motion of a block in a step of a jump, over the largest increment, up to which its time step
-    # grows.
+    # Motion of a block in a step of a jump, over the `motion_unit`, up to which time steps grow;
+    # and over the largest increment, up to which a step may go in which no motion is expected.
     jump_motion: float = tolerances.JUMP_MOTION
     # Motion of a block in a step of a jump, over the motion that the last acceleration would give,
     # above which the step is tried again.
@@ -97,11 +96,11 @@ class DisplacementSettings(EndSettings):
     # Inertia below which a step is static again: over the applied force, and, of the fastest block,
     # over its weight.
     static_inertia: float = tolerances.STATIC_INERTIA
-    # Motion of a block, over the largest increment, after which the structure has collapsed.  It
-    # counts in the parts of a jump in which the load holds the control point back.
+    # Motion of a block, over the `motion_unit`, after which the structure has collapsed.  It counts
+    # in the parts of a jump in which the load holds the control point back.
     fall_motion: float = tolerances.FALL_MOTION
     # Steps without rest after which a jump is not followed further.  A falling block moves by about
-    # the largest increment in each.
+    # the `motion_unit` in each.
     jump_steps: int = 5000
 
     def __post_init__(self) -> None:
@@ -430,7 +429,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         The structure then fell while the load held the control point back.  It stands as another
         structure than the one that was loaded.
         """
-        behind = report.control_displacement < -self.settings.displacement_step
+        behind = report.control_displacement < -self.settings.motion_unit
         return behind and not state.time_step and self._is_jump(state, report)
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
@@ -458,7 +457,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         """Whether a step of a jump leads much farther than the blocks were moving.
 
         With a short time step the equations have one solution.  With a long one they may have
-        several, of which the structure reaches the nearest.
+        several, of which the structure reaches the nearest.  Before there is an acceleration to
+        expect a motion from, a step is as long as one of the curve.
         """
         s = self.settings
         expected = s.farther * state.acceleration * state.time_step**2
@@ -482,7 +482,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 since = math.inf
                 continue
             since = min(since, passed.control_displacement)
-            if passed.control_displacement - since > s.fall_motion * s.displacement_step:
+            if passed.control_displacement - since > s.fall_motion * s.motion_unit:
                 return True
         return False
 
@@ -609,7 +609,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
             return changed(state, n_since=n_since)
-        if report.motion < s.jump_motion * s.displacement_step:
+        if report.motion < s.jump_motion * s.motion_unit:
             return changed(state, time_step=longer, n_since=n_since)
         return state
 
@@ -661,7 +661,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)
         if self._falls_freely(state, report):
             return fallen_freely(carried, s.stop_multiplier)
-        if state.fallen > s.fall_motion * s.displacement_step:
+        if state.fallen > s.fall_motion * s.motion_unit:
             if carries_nothing(s, carried):
                 return nothing_carried(s, state.n_steps)
             return fallen_freely(carried, s.stop_multiplier)

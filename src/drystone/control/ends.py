@@ -17,6 +17,7 @@ __all__ = [
     "End",
     "EndSettings",
     "Progress",
+    "StepSettings",
     "carries_nothing",
     "collapsed",
     "end_of_curve",
@@ -48,6 +49,25 @@ class EndSettings:
     def stop_after(self, highest: float) -> float:
         """The multiplier below which a curve whose peak is ``highest`` ends."""
         return stop_after(highest, self.stop_multiplier)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepSettings(EndSettings):
+    """Settings of strategies whose steps have a length."""
+
+    displacement_step: float  # m, of a step: each strategy says of what
+    # m, the displacement step that suits the structure; None: the one that is taken
+    suited_step: float | None = None
+
+    @property
+    def motion_unit(self) -> float:
+        """The length [m] by which motions of blocks are measured.
+
+        It does not depend on the displacement step that somebody asks for, nor on the targets of a
+        cyclic analysis: whether a structure has collapsed, or how far it moves in a step of a jump,
+        is a matter of its size.
+        """
+        return self.displacement_step if self.suited_step is None else self.suited_step
 
 
 def stop_after(highest: float, stop_multiplier: float) -> float:

@@ -13,19 +13,25 @@ from dataclasses import dataclass
 from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision, Strategy, check_settings
-from drystone.control.ends import End, EndSettings, Progress, collapsed, end_of_curve, fallen_freely
+from drystone.control.ends import (
+    End,
+    Progress,
+    StepSettings,
+    collapsed,
+    end_of_curve,
+    fallen_freely,
+)
 from drystone.engines.base import Demand, StepReport
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExcessSettings(EndSettings):
-    """Settings of the steps."""
+class ExcessSettings(StepSettings):
+    """Settings of the steps.  The displacement step is that of the fastest block."""
 
-    displacement_step: float  # m, of the fastest block in a step
     time_step: float = tolerances.EXCESS_TIME_STEP  # s
     # Largest excess of the multiplier; relative to the multiplier if that is above one.
     increment: float = tolerances.EXCESS
-    # Motion of the control point, in displacement steps, after which the structure has collapsed.
+    # Motion of the control point, over the `motion_unit`, after which the structure has collapsed.
     # It counts in motion while less than the stop value is carried.
     fall: float = tolerances.EXCESS_FALL
     # The same, whatever multiplier is carried; by default twice the smallest block.
@@ -225,10 +231,10 @@ class ExcessControl(Strategy[ExcessState]):
         """The end of a structure that has moved too far from its last rest to be the same
         structure, or None."""
         s = self.settings
-        moved = (report.control_displacement - state.static_at) / s.displacement_step
+        moved = (report.control_displacement - state.static_at) / s.motion_unit
         since = state.low_since
         fallen = 0.0 if since is None else report.control_displacement - since
-        if fallen > s.fall * s.displacement_step and state.highest > s.stop_multiplier:
+        if fallen > s.fall * s.motion_unit and state.highest > s.stop_multiplier:
             return fallen_freely(state.highest, s.stop_multiplier)
         if dynamic and moved > s.jump:
             return collapsed("it goes on in motion", state.highest, s.stop_multiplier)

@@ -201,7 +201,9 @@ class HistoryControl(InLegs, DisplacementControl):
     def _turned(self, state: HistoryState, leg: Leg, sense: float, last: float) -> HistoryState:
         s = self.settings
         return HistoryState(
-            increment=min(s.first_share * s.displacement_step, s.first_share * state.closing),
+            # Joints that slid at the target stick as soon as the motion turns.  A step as long as
+            # the first of all would round off this corner of the loop.
+            increment=s.first_share * min(s.displacement_step, state.closing),
             highest=max(last, 0.0),
             highest_at=-math.inf,
             last=last,

@@ -29,23 +29,23 @@ from dataclasses import dataclass
 from drystone.common import tolerances
 from drystone.common.records import changed
 from drystone.control.base import Decision, Strategy, check_settings
-from drystone.control.ends import End, EndSettings, Progress, end_of_curve, fallen_freely
+from drystone.control.ends import End, Progress, StepSettings, end_of_curve, fallen_freely
 from drystone.engines.base import Demand, StepReport
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedSettings(EndSettings):
-    """Settings of the published strategy."""
+class PublishedSettings(StepSettings):
+    """Settings of the published strategy.  The displacement step is that of the fastest block in a
+    step of the descending branch."""
 
-    displacement_step: float  # m, of the fastest block in a step of the descending branch
     increment: float = tolerances.PUBLISHED_INCREMENT  # of the multiplier, ascending
     overshoot: float = tolerances.OVERSHOOT  # applied over carried multiplier, descending
     # Difference of multipliers that counts as equal.
     balance_tolerance: float = tolerances.BALANCE_TOLERANCE
     patience: int = 20  # steps without balance, nor progress towards it, after the peak is passed
     time_step: float = tolerances.PUBLISHED_TIME_STEP  # s, ascending, and at first descending
-    # Motion of a block, over the displacement step, after which the structure has collapsed.  It
-    # counts in motion and under next to no load.
+    # Motion of a block, over the `motion_unit`, after which the structure has collapsed.  It counts
+    # in motion and under next to no load.
     fall_motion: float = tolerances.FALL_MOTION
 
     def __post_init__(self) -> None:
@@ -169,7 +169,7 @@ class PublishedControl(Strategy[_State]):
 
     def _end(self, state: _State, report: StepReport) -> End | None:
         s = self.settings
-        if state.fallen > s.fall_motion * s.displacement_step:
+        if state.fallen > s.fall_motion * s.motion_unit:
             return fallen_freely(state.highest, s.stop_multiplier)
         goes_on = state.descending and self._goes_on(state, report)
         return end_of_curve(
