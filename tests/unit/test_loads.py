@@ -361,6 +361,33 @@ class TestDirections:
         assert capacity in compared.output
         assert "of what is left" in compared.output
 
+    def test_both_senses_watch_the_part_that_falls(self, tmp_path):
+        """A slender column, 0.3 x 1.5 m, beside a stout one that is taller and bears 0.5.
+
+        Nobody has named a control point.  In both senses it stayed on the stout one.
+        """
+        sides = {"stout": (-0.75, 0.75, 3.0), "slender": (3.85, 4.15, 1.5)}
+        blocks = [
+            ds.Block(
+                id=name,
+                vertices=[(left, 0.0), (right, 0.0), (right, top), (left, top)],
+                unit_weight=20e3,
+            )
+            for name, (left, right, top) in sides.items()
+        ]
+        ground = [(-2.0, -0.2), (6.0, -0.2), (6.0, 0.0), (-2.0, 0.0)]
+        blocks.append(ds.Block(id="ground", vertices=ground, unit_weight=20e3, support=True))
+        joint = ds.JointLaw(friction_coefficient=0.7, normal_stiffness=1e9, shear_stiffness=5e8)
+        model = ds.make_model(blocks, joint=joint, load_direction=(1.0, 0.0), thickness=1.0)
+        ds.write_model(model, tmp_path / "model.toml")
+        arguments = ["run", str(tmp_path / "model.toml"), "--engine", "equilibrium"]
+        out = ["--out", str(tmp_path / "out"), "--quiet"]
+        told = CliRunner().invoke(app, [*arguments, "--directions", "both", *out])
+        assert told.exit_code == 0, told.output
+        for row in json.loads((tmp_path / "out" / "summary.json").read_text())["directions"]:
+            assert row["peak_multiplier"] == pytest.approx(0.2, rel=2e-3)
+            assert row["ultimate_displacement"] == pytest.approx(0.28, abs=0.01)
+
     def test_run_in_both_senses(self, tmp_path):
         read(tmp_path, more="[analysis]\nmax_steps = 4\n")
         out = tmp_path / "out"

@@ -206,7 +206,7 @@ def trace(
     """
     from drystone.analysis.driver import pushover
     from drystone.engines.base import EngineError
-    from drystone.limit import limits_beside
+    from drystone.limit import limits_beside, on_what_moves
     from drystone.report.folder.directory import ResultsDirectory
     from drystone.report.folder.resume import extended_to
 
@@ -222,7 +222,7 @@ def trace(
             model = extended_to(model, going_on or {})
             results.beside = limits_beside(model)
             curve = pushover(
-                model,
+                on_what_moves(model, results.beside),
                 engine=asked.engine,
                 strategy=asked.strategy,
                 recorder=results,
