@@ -83,10 +83,11 @@ def test_a_block_that_is_lifted_stops_the_run(most):
 @ENGINES
 def test_the_largest_displacement_counts_from_where_the_load_begins(engine):
     settlement = pushover(leaning(), engine=engine, max_steps=1).settlement
-    curve = pushover(leaning(), engine=engine, max_displacement=5.0 * settlement)
+    most = 5.0 * settlement
+    curve = pushover(leaning(), engine=engine, max_displacement=most)
     assert curve.status == "finished"
     last = curve.control_displacement[-2:]
-    assert last[0] < 5.0 * settlement <= last[1]
+    assert last[0] < most and last[1] >= most * (1.0 - 1e-9)  # rounding
 
 
 STIFF_JOINT = JointLaw(friction_coefficient=0.9, normal_stiffness=1e10, shear_stiffness=1e10)

@@ -244,6 +244,14 @@ class TestExcess:
         assert curve.status == "finished" and curve.points[-1].status == DYNAMIC
         assert "or a part of it, collapsed in motion: it falls without any load" in curve.reason
 
+    @pytest.mark.parametrize("most", [1e-5, 0.0107, 0.1])
+    def test_a_curve_ends_at_the_largest_displacement_asked_for(self, most):
+        """It ended at the end of the step that passed it: by up to a step farther."""
+        curve = trace(SlidingStructure(prescribes=True), "displacement", max_displacement=most)
+        assert curve.status == "finished" and "reached" in curve.reason
+        assert curve.control_displacement[-1] == pytest.approx(most, rel=1e-9)
+        assert (np.diff(curve.control_displacement) > 0.0).all()
+
     def test_no_largest_displacement_is_reached_in_motion(self):
         class Falling(SlidingStructure):
             def step(self, state, demand):

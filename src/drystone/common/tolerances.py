@@ -388,8 +388,8 @@ LEAST_LOAD = 0.1 * STOP_MULTIPLIER
 NEXT_TO_NOTHING = 0.01
 
 #: Motion of a block under next to no load, over the displacement step that suits the structure
-#: (`control.ends.StepSettings.motion_unit`), after which the structure has collapsed.  Convention:
-#: an eighth of the smallest block by `published`, half of it or more by `equilibrium`.
+#: (`control.ends.StepSettings.motion_length`), after which the structure has collapsed.
+#: Convention: an eighth of the smallest block by `published`, half of it or more by `equilibrium`.
 #: Range: no peak; plane: the same; space: steps by 1.4 %.
 FALL_MOTION = 25.0
 

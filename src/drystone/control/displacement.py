@@ -84,7 +84,7 @@ class DisplacementSettings(StepSettings):
     time_step: float = tolerances.JUMP_TIME_STEP  # s, of the first step of a jump
     # Motion of a block, over the increment, above which a step is a jump.
     snap_motion: float = tolerances.SNAP_MOTION
-    # Motion of a block in a step of a jump, over the `motion_unit`, up to which time steps grow;
+    # Motion of a block in a step of a jump, over the `motion_length`, up to which time steps grow;
     # and over the largest increment, up to which a step may go in which no motion is expected.
     jump_motion: float = tolerances.JUMP_MOTION
     # Motion of a block in a step of a jump, over the motion that the last acceleration would give,
@@ -96,11 +96,11 @@ class DisplacementSettings(StepSettings):
     # Inertia below which a step is static again: over the applied force, and, of the fastest block,
     # over its weight.
     static_inertia: float = tolerances.STATIC_INERTIA
-    # Motion of a block, over the `motion_unit`, after which the structure has collapsed.  It counts
-    # in the parts of a jump in which the load holds the control point back.
+    # Motion of a block, over the `motion_length`, after which the structure has collapsed.  It
+    # counts in the parts of a jump in which the load holds the control point back.
     fall_motion: float = tolerances.FALL_MOTION
     # Steps without rest after which a jump is not followed further.  A falling block moves by about
-    # the `motion_unit` in each.
+    # the `motion_length` in each.
     jump_steps: int = 5000
 
     def __post_init__(self) -> None:
@@ -116,6 +116,7 @@ class DisplacementState:
     highest_at: float = 0.0  # m, control displacement there
     released: bool = False  # whether the load is taken off, so that loose blocks fall
     last: float = 0.0  # multiplier of the last point
+    displacement: float = 0.0  # m, of the control point there
     slope: float = 0.0  # 1/m, of the curve there
     n_steps: int = 0
     n_shorter: int = 0  # times that this step was repeated with a shorter increment
@@ -160,7 +161,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return Demand(multiplier=state.last + state.load_increment)
         if state.time_step == 0.0:
             return Demand(
-                increment=state.increment,
+                increment=self._within(state),
                 over_fold=state.stage == CROSSING,
                 full_search=self._wants_full_search(state),
             )
@@ -169,6 +170,17 @@ class DisplacementControl(Strategy[DisplacementState]):
         share = min((state.time_step / s.time_step) ** 2, tolerances.MOST_CREEP)
         creep = s.creep_share * s.displacement_step * share
         return Demand(increment=creep, time_step=state.time_step)
+
+    def _within(self, state: DisplacementState) -> float:
+        """The increment [m], shortened so that the curve ends at the last displacement asked for.
+
+        It is not shortened below a smallest increment, because engines that drive the structure
+        there come only near what is demanded.
+        """
+        s = self.settings
+        left = s.last_displacement - state.displacement
+        least = s.floor_share * min(s.displacement_step, s.last_displacement)
+        return min(state.increment, max(left, least))
 
     def _wants_full_search(self, state: DisplacementState) -> bool:
         """Whether a static step may use the full search.
@@ -188,6 +200,8 @@ class DisplacementControl(Strategy[DisplacementState]):
             return self._begin_again(state, report)
         if state.load_increment:
             return self._under_load(state, report)
+        if not state.time_step and demand.increment is not None:
+            state = changed(state, increment=abs(demand.increment))  # it may have been shortened
         if not report.converged or self._snaps(state, report) or self._strays(state, report):
             return self._retry(state, report)
         if self._thrown_back(state, report) or self._falls_freely(state, report):
@@ -214,6 +228,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             fallen=self._fallen(state, report),
             released=back and not state.time_step,
             last=multiplier,
+            displacement=report.control_displacement,
             unstable=report.unstable,
             slope=(multiplier - state.last) / advanced if advanced and not state.time_step else 0.0,
             next_load=0.0,
@@ -242,7 +257,13 @@ class DisplacementControl(Strategy[DisplacementState]):
         first = s.first_share * s.displacement_step
         n_steps = state.n_steps + 1
         state = changed(
-            state, n_steps=n_steps, last=0.0, slope=0.0, released=False, increment=first
+            state,
+            n_steps=n_steps,
+            last=0.0,
+            displacement=report.control_displacement,
+            slope=0.0,
+            released=False,
+            increment=first,
         )
         return self._decided(state, dynamic_multipliers=_dynamic_multipliers(report))
 
@@ -277,6 +298,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             state,
             n_steps=state.n_steps + 1,
             last=multiplier,
+            displacement=there,
             slope=0.0,
             highest=max(multiplier, state.highest),
             highest_at=there,
@@ -429,7 +451,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         The structure then fell while the load held the control point back.  It stands as another
         structure than the one that was loaded.
         """
-        behind = report.control_displacement < -self.settings.motion_unit
+        behind = report.control_displacement < -self.settings.motion_length
         return behind and not state.time_step and self._is_jump(state, report)
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
@@ -482,7 +504,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 since = math.inf
                 continue
             since = min(since, passed.control_displacement)
-            if passed.control_displacement - since > s.fall_motion * s.motion_unit:
+            if passed.control_displacement - since > s.fall_motion * s.motion_length:
                 return True
         return False
 
@@ -609,7 +631,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
             return changed(state, n_since=n_since)
-        if report.motion < s.jump_motion * s.motion_unit:
+        if report.motion < s.jump_motion * s.motion_length:
             return changed(state, time_step=longer, n_since=n_since)
         return state
 
@@ -661,7 +683,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)
         if self._falls_freely(state, report):
             return fallen_freely(carried, s.stop_multiplier)
-        if state.fallen > s.fall_motion * s.motion_unit:
+        if state.fallen > s.fall_motion * s.motion_length:
             if carries_nothing(s, carried):
                 return nothing_carried(s, state.n_steps)
             return fallen_freely(carried, s.stop_multiplier)

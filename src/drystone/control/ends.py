@@ -50,6 +50,11 @@ class EndSettings:
         """The multiplier below which a curve whose peak is ``highest`` ends."""
         return stop_after(highest, self.stop_multiplier)
 
+    @property
+    def last_displacement(self) -> float:
+        """The control displacement [m] at which the curve ends; infinite if none is given."""
+        return min((value for stop, value in self.stops if stop.is_displacement), default=math.inf)
+
 
 @dataclass(frozen=True, kw_only=True)
 class StepSettings(EndSettings):
@@ -60,7 +65,7 @@ class StepSettings(EndSettings):
     suited_step: float | None = None
 
     @property
-    def motion_unit(self) -> float:
+    def motion_length(self) -> float:
         """The length [m] by which motions of blocks are measured.
 
         It does not depend on the displacement step that somebody asks for, nor on the targets of a

@@ -31,8 +31,8 @@ class ExcessSettings(StepSettings):
     time_step: float = tolerances.EXCESS_TIME_STEP  # s
     # Largest excess of the multiplier; relative to the multiplier if that is above one.
     increment: float = tolerances.EXCESS
-    # Motion of the control point, over the `motion_unit`, after which the structure has collapsed.
-    # It counts in motion while less than the stop value is carried.
+    # Motion of the control point, over the `motion_length`, after which the structure has
+    # collapsed.  It counts in motion while less than the stop value is carried.
     fall: float = tolerances.EXCESS_FALL
     # The same, whatever multiplier is carried; by default twice the smallest block.
     jump: float = tolerances.EXCESS_JUMP
@@ -231,10 +231,10 @@ class ExcessControl(Strategy[ExcessState]):
         """The end of a structure that has moved too far from its last rest to be the same
         structure, or None."""
         s = self.settings
-        moved = (report.control_displacement - state.static_at) / s.motion_unit
+        moved = (report.control_displacement - state.static_at) / s.motion_length
         since = state.low_since
         fallen = 0.0 if since is None else report.control_displacement - since
-        if fallen > s.fall * s.motion_unit and state.highest > s.stop_multiplier:
+        if fallen > s.fall * s.motion_length and state.highest > s.stop_multiplier:
             return fallen_freely(state.highest, s.stop_multiplier)
         if dynamic and moved > s.jump:
             return collapsed("it goes on in motion", state.highest, s.stop_multiplier)

@@ -194,8 +194,6 @@ class HistoryControl(InLegs, DisplacementControl):
         """Decide as for a monotonic curve, in the sense of the leg; at its end begin the next."""
         assert isinstance(state, HistoryState)
         sense = state.leg.sense(self.settings.targets)
-        if not state.time_step and demand.increment is not None:
-            state = changed(state, increment=abs(demand.increment))
         return self._in_leg(state.leg, report, super().decide(state, demand, seen(report, sense)))
 
     def _turned(self, state: HistoryState, leg: Leg, sense: float, last: float) -> HistoryState:
@@ -207,6 +205,7 @@ class HistoryControl(InLegs, DisplacementControl):
             highest=max(last, 0.0),
             highest_at=-math.inf,
             last=last,
+            displacement=sense * leg.begun,
             n_steps=state.n_steps,
             closing=state.closing,
             leg=leg,

@@ -19,6 +19,8 @@ class Stop:
     key: Key  # a number; with a default the condition always applies
     end: Callable[[float, Progress], End | None]
     first: bool = False  # whether it is checked before the strategy's own ends
+    #: Whether the number is a control displacement [m] that the last step should not pass.
+    is_displacement: bool = False
 
     def problem(self, value: float) -> str | None:
         """What is wrong with a value, as a sentence that begins with its key."""
