@@ -18,6 +18,7 @@ from drystone.limit import collapse_load, limits_beside
 from drystone.model.assembly import Block
 from drystone.model.builders import make_model
 from drystone.model.joint_law import JointLaw
+from drystone.model.loading import SurchargeLoad, TiltPattern
 from drystone.model.loading.forces import ForcesPattern
 from drystone.model.loading.targets import PointForce
 from drystone.model.model import Analysis
@@ -367,6 +368,21 @@ def test_the_end_of_a_wall_whose_bonds_break_does_not_depend_on_the_steps():
         for steps in ({}, {"displacement_step": 1e-3})
     ]
     assert ends[0] == pytest.approx(ends[1], rel=0.05)
+
+
+@pytest.mark.parametrize("engine", ["equilibrium", "distinct"])
+def test_what_stands_on_a_ground_turned_upright_has_no_peak(engine):
+    """A force without mass presses the block on, with the block's weight, however the ground turns.
+
+    By `distinct` the block had "collapsed in motion", at a multiplier of 1e11.
+    """
+    load = TiltPattern(direction=np.array([1.0, 0.0]))
+    pressing = SurchargeLoad(block="b1", weight=5.0 * UNIT_WEIGHT * 0.8 * 0.4, mass=False)
+    model = stack((0.8, 0.4), joint=stiff_joint(0.7)).with_load(load, dead_loads=(pressing,))
+    assert collapse_load(model).status == "locked"
+    curve = pushover(model, engine=engine)
+    assert curve.status == "stopped" and "no angle brings the structure down" in curve.reason
+    assert 1e3 < curve.points[-1].load_multiplier < 1e4
 
 
 @ENGINES

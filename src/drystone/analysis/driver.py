@@ -702,6 +702,8 @@ def make_control(strategy: str, engine: Engine[Any], model: Model) -> Control[An
         )
     farthest = max(model.assembly.largest_extent, options.get("max_displacement", 0.0))
     step = {"displacement_step": STEP_SHARE * frame.size, "farthest": farthest}
+    if model.load.turns_gravity:
+        step["upright"] = tolerances.UPRIGHT
     said = asdict(engine.preferred_steps(model.assembly))
     preferred = {key: value for key, value in said.items() if value is not None}
     suited = {**step, **preferred}

@@ -383,6 +383,10 @@ STOP_SHARE = 0.1
 #: Derived: a tenth of `STOP_MULTIPLIER`, below which no curve is followed.
 LEAST_LOAD = 0.1 * STOP_MULTIPLIER
 
+#: Multiplier of a load that turns the ground, above which the ground stands upright.  Convention:
+#: it is that of 89.94 degrees.
+UPRIGHT = 1e3
+
 #: Share of a peak below the stop value to which the curve is followed: blocks that come loose let
 #: a multiplier drop and rise again, though not from next to nothing.  Convention.
 NEXT_TO_NOTHING = 0.01

@@ -45,6 +45,8 @@ class EndSettings:
     )  # under which the curve ends, after the peak
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
     farthest: float = math.inf  # m, of the control point: a block that is lifted moves for ever
+    # Multiplier of a load that turns the ground, above which the ground stands upright.
+    upright: float = math.inf
 
     def stop_after(self, highest: float) -> float:
         """The multiplier below which a curve whose peak is ``highest`` ends."""
@@ -110,6 +112,8 @@ def end_of_curve(settings: EndSettings, progress: Progress) -> End | None:
     for stop, value in s.stops:
         if stop.first and (end := stop.end(value, p)):
             return end
+    if p.static and p.multiplier > s.upright:
+        return End(reason=say("end.upright", multiplier=p.multiplier))
     stop_value = s.stop_after(p.highest)
     if onwards and p.multiplier < stop_value < p.highest:
         return End(reason=say("end.fell_below", stop=stop_value), finished=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.tolerances import UPRIGHT
 from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
@@ -48,9 +49,8 @@ SAME_STATE = 3e-7
 #: Largest number of solutions for a rotated load; and the relative change of the multiplier below
 #: which it has converged: its accuracy, which for non-associative ones in space is some 3e-7.
 TILTS, SAME_TILT = 60, {ASSOCIATIVE: 1e-9, NON_ASSOCIATIVE: 1e-6}
-#: Multiplier above which a structure counts as standing on a ground that is turned upright: that of
-#: 89.94 degrees; and the factor by which the ground is turned farther if strengths grow as fast.
-UPRIGHT, FARTHER = 1e3, 10.0
+#: Factor by which the ground is turned farther if strengths grow as fast.
+FARTHER = 10.0
 #: Blocks named in a sentence.
 MOST_NAMES = 8
 
@@ -291,7 +291,10 @@ LOCKED = (
     "no finite multiplier: friction, or what has no limit of strength, can carry any multiple of "
     "the load in this direction"
 )
-STANDS_UPRIGHT = "no finite multiplier: bonds or ties hold the structure on a ground turned upright"
+STANDS_UPRIGHT = (
+    "no finite multiplier: bonds, ties or loads without mass hold the structure on a ground turned "
+    "upright"
+)
 NO_TILT = f"no angle of the ground was found at which it collapses, in {TILTS} solutions"
 
 
