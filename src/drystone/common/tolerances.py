@@ -259,7 +259,8 @@ SAME_CORNER = 1e-3
 DEEP = 0.1
 
 #: Distance, over the size of the parts, by which edges must separate them more than faces do.
-#: Range: 33 in space and 16 rounded are the same; the rounded with 0, too.
+#: Range: 33 in space and 16 rounded are the same.  With 0, the rounded are, too, but the 33 take
+#: more than ten times as long.
 EDGES_MARGIN = 1e-2
 
 #: Angle between an edge and a face, or between two rounded edges [rad], below which they touch
@@ -269,7 +270,7 @@ EDGES_MARGIN = 1e-2
 EDGE_FLAT = 0.05
 
 #: Cosine between the incident and the reference face below which the former is seen edge on.
-#: Range: 33 in space are the same; 16 rounded with 0, too.
+#: Range, from 0 to 0.1: 33 in space are the same; 16 rounded with 0, too.
 EDGE_ON = 0.05
 
 #: Faces are kept as long as the separation by other faces is larger by no more than this share of
@@ -309,13 +310,12 @@ SIDE_SLOPE = 1e-3
 MERGED_AGAIN = 0.5
 
 #: Sine of the angle of a corner of an overlap above which the corner adds to the area that treated
-#: edges take off.  Range, ten times more or less: 16 rounded are the same, and no peak of 33 in
-#: space moves; with 0, the rounded are the same.
+#: edges take off.  Range, from 0 to 0.01: 16 rounded are the same, and no peak of 33 in space
+#: moves.
 TURNS = 1e-3
 
 #: Sine of the angle between two edges below which they are parallel and make no contact by
-#: themselves.  Range, ten times more or less: 33 in space and 16 rounded are the same; the rounded
-#: with 0, too.
+#: themselves.  Range, from 0 to 0.01: 33 in space and 16 rounded are the same.
 PARALLEL = 1e-3
 
 #: Distance of nearest points of two edges from their common normal, over the length of the edge, up
