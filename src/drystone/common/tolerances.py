@@ -1132,11 +1132,6 @@ LAST_SHARE_SEEN = 0.95
 
 # Statics: joints that yield ----------------------------------------------------------------------
 
-#: Least and greatest relaxation factor of the state of softening.  Range: 9 of 11 with mortar are
-#: the same, no peak of the others moves; iterations by 11 %.  The same holds of 1 for both.
-LEAST_RELAXATION = 0.3
-MOST_RELAXATION = 10.0
-
 #: Unbalanced force that Newton's method may leave, over the force by which strengths may still
 #: change.  Range, ten times more or less, of 11 with mortar: peaks by 1e-4, but one by 1e-3 where
 #: larger; iterations by 12 %.

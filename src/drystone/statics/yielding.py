@@ -27,7 +27,7 @@ from drystone.contact.contacts import INTERCEPT
 from drystone.geometry.motion import rotations
 from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
-from drystone.law.strengths import Reached, Strengths, difference
+from drystone.law.strengths import Reached, difference
 from drystone.statics.shape import bend_of_cubic, excess_of_cubic
 from drystone.statics.stability import StabilitySettings, grows
 from drystone.statics.static_step import StaticStep, StepSolution
@@ -92,7 +92,6 @@ def solve(
     current, iterations = strengths.current(law, history, now), 0
     fresh = strengths.fresh[law]
     first: StepSolution | None = None
-    relaxation = _Relaxation(strengths, law, leaves=may_snap)
     near: Array | None = None
     slope: float | None = None
     fallen, most = 0, MOST_SOLUTIONS if may_snap or not strengths.smooth else FEW_SOLUTIONS
@@ -129,7 +128,7 @@ def solve(
                 return _shaped(stood, first, start, increment, slope, fallen > 0, may_snap)
             now = _at(found.reached, now, come.origin)
         elif going:
-            now, fallen = relaxation.next(now, come.reached, come.origin), fallen + 1
+            now, fallen = _at(come.reached, now, come.origin), fallen + 1
         elif solved.reason:
             return solved
         after = strengths.current(law, come.before, found.reached if found else come.reached)
@@ -262,48 +261,6 @@ def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
         at[origin[known]] = theirs[known]
         found.append(at)
     return Reached(*found)
-
-
-class _Relaxation:
-    """The state of softening, extrapolated from its changes (Irons and Tuck 1969).
-
-    If joints soften nearly as fast as the structure unloads them, each solution covers the same
-    small share of the change that is still missing; extrapolation shortens this.  If the missing
-    change grows from one solution to the next, the structure leaves an unstable equilibrium.  With
-    ``leaves`` the extrapolation then doubles each time.
-    """
-
-    def __init__(self, strengths: Strengths, law: IntArray, *, leaves: bool) -> None:
-        self.leaves = leaves
-        self.scale = strengths.per_slip[law], strengths.by_crushing[law]
-        self.share, self.last = 1.0, np.zeros(0)
-
-    def next(self, now: Reached, then: Reached, origin: IntArray) -> Reached:
-        """The state to continue with, listed by slots at the start of the step, from the state
-        ``now`` that was solved with and the state ``then`` that was reached; see `_at`."""
-        there = _at(then, now, origin)
-        per_slip, by_crushing = self.scale
-        missing = np.concatenate(
-            (
-                there.softened - now.softened,
-                per_slip * (there.slid - now.slid),
-                by_crushing * (there.crushed - now.crushed),
-            )
-        )
-        if len(self.last):
-            change = missing - self.last
-            size, along = float(change @ change), float(self.last @ change)
-            share = -self.share * along / size if size > 0.0 else 1.0
-            if self.leaves and along > 0.0:
-                share = 2.0 * self.share
-            self.share = min(max(share, tolerances.LEAST_RELAXATION), tolerances.MOST_RELAXATION)
-        self.last = missing
-        more = self.share
-        return there._replace(
-            softened=np.maximum(now.softened + more * (there.softened - now.softened), 0.0),
-            slid=now.slid + more * (there.slid - now.slid),
-            crushed=np.maximum(now.crushed + more * (there.crushed - now.crushed), 0.0),
-        )
 
 
 def _shaped(
