@@ -83,6 +83,37 @@ class TestModelFile:
         materials = {b.id: b.material for b in assembly.blocks}
         assert [name for name, own in materials.items() if own == "brick"] == ["c2u0", "c2u1"]
 
+    def test_letters_of_a_layer_may_be_of_another_case(self, folder):
+        text = obj_text(brick_wall()).replace("o c2u0", "o c2u0\nusemtl BRICK")
+        (folder / "wall.obj").write_text(text)
+        between = '[joint.between."stone brick"]\nfriction_coefficient = 0.1\n'
+        assembly = read(folder, HEAD + between + IMPORT).assembly
+        assert {b.material for b in assembly.blocks if "BRICK" in b.groups} == {"brick"}
+        assert len(assembly.laws) == 2
+        back, model = folder / "back.toml", folder / "model.toml"
+        given = ("--like", model, "--unit", "m", "--up", "z", "--material", "stone")
+        assert run(folder / "wall.obj", back, *given, "--support", "c0*")[0] == 0
+        again = read_model(back).assembly
+        assert [b.material for b in again.blocks] == [b.material for b in assembly.blocks]
+
+    def test_of_materials_that_differ_by_case_the_exact_one_is_taken(self, folder):
+        text = obj_text(brick_wall()).replace("o c2u0", "o c2u0\nusemtl BRICK")
+        (folder / "wall.obj").write_text(text)
+        more = "[material.BRICK]\nunit_weight = 15e3\n"
+        assembly = read(folder, HEAD + more + IMPORT).assembly
+        assert {b.material for b in assembly.blocks} == {"stone", "BRICK"}
+
+    def test_a_joint_between_materials_that_layers_are_named_after(self, folder):
+        text = obj_text(brick_wall()).replace("o c2u0", "o c2u0\nusemtl brick")
+        (folder / "wall.obj").write_text(text.replace("o c1u0", "o c1u0\nusemtl stone"))
+        between = '[joint.between."stone brick"]\nfriction_coefficient = 0.1\n'
+        assembly = read(folder, HEAD + between + IMPORT).assembly
+        assert set(assembly.groups) == {"stone", "brick"}
+        joints, bricks = assembly.interfaces, assembly.groups["brick"]
+        index = assembly.law_index(joints.block_a, joints.block_b)
+        mixed = np.isin(joints.block_a, bricks) != np.isin(joints.block_b, bricks)
+        assert (index == np.where(mixed, 1, 0)).all() and mixed.any()
+
     def test_groups_of_patterns_hold_imported_blocks(self, folder):
         text = HEAD + IMPORT + '[group.top]\nblocks = ["c2*"]\n'
         text += '[joint.between."top c1u0"]\nfriction_coefficient = 0.1\n'

@@ -41,6 +41,13 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return found[0] if found else None
 
 
+def in_any_case(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is the same but for the case of its letters; the exact one goes before
+    others."""
+    same = [one for one in known if one.casefold() == name.casefold()]
+    return name if name in same else next(iter(same), None)
+
+
 def listed(names: Sequence[str]) -> str:
     """The first few names in quotes, and how many more there are."""
     shown = ", ".join(map(quoted, names[:FEW]))

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drystone.common.names import in_any_case
 from drystone.geometry.mended import Mended
 from drystone.io.convert.like import NAMING, fitting, tables_of
 from drystone.io.drawings import Imported, ImportSettings, imported
@@ -101,8 +102,8 @@ def _material(layer: str, names: Sequence[str], given: str | None) -> str:
     """The name of a block's material: its layer where there is such a material."""
     if not names:
         return given or layer
-    if layer in names:
-        return layer
+    if (named := in_any_case(layer, names)) is not None:
+        return named
     name = given or (names[0] if len(names) == 1 else None)
     if name is None:
         raise ModelError(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drystone.common.names import in_any_case
 from drystone.geometry import GeometryError
 from drystone.geometry.mended import Mended
 from drystone.io.drawings.settings import ImportSettings
@@ -97,9 +98,10 @@ def _settings(table: ImportSection, file: Path) -> ImportSettings:
 def _material(
     table: ImportSection, unit_weights: Mapping[str, float], layer: str
 ) -> tuple[str, float]:
-    """The material that a layer is named after, else that of the table, else the only one."""
+    """The material that a layer is named after, in letters of any case, else that of the table,
+    else the only one."""
     known = list(unit_weights)
-    name = layer if layer in unit_weights else table.material
+    name = in_any_case(layer, known) or table.material
     if name is None:
         if len(known) > 1:
             of = f" of layer {quoted(layer)}" if layer else ""

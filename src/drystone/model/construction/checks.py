@@ -104,6 +104,8 @@ def pair_problems(
             continue
         if names & groups and names <= ids | groups:
             of_groups.append(names)
+            if names <= materials and _is_within_material(names, blocks):
+                continue
             problems += [
                 f"{place}: {quoted(name)} is a group and a {what}: give the group another name"
                 for name in sorted(names & groups)
@@ -113,6 +115,14 @@ def pair_problems(
         elif not names <= materials:
             problems.append(f"{place}: names neither two blocks or groups nor two materials")
     return problems or _ambiguous(blocks, {names: joint_between[names] for names in of_groups})
+
+
+def _is_within_material(names: frozenset[str], blocks: Sequence[Block]) -> bool:
+    """Whether the groups of these names hold only blocks of the materials of these names, as layers
+    of a drawing do: read as materials, the pair then means what it means as groups."""
+    return all(
+        block.material == name for block in blocks for name in names.intersection(block.groups)
+    ) and names.isdisjoint(block.id for block in blocks)
 
 
 def _ambiguous(blocks: Sequence[Block], of_groups: Mapping[frozenset[str], JointLaw]) -> list[str]:
