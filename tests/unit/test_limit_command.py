@@ -87,6 +87,17 @@ def test_what_does_not_stand_is_the_models_fault(leaning, tmp_path):
     assert (tmp_path / "out/mechanism.png").is_file()  # how it falls
 
 
+def test_supports_that_move_are_the_models_fault_too(tmp_path):
+    """Said once, as `assess` says it, and before anything is written."""
+    path = tmp_path / "sinks.toml"
+    sinks = '[settlement]\nblocks = ["base"]\ndirection = [0.0, -1.0]\nmax = 0.01\n'
+    path.write_text(MODEL[: MODEL.index("[load]")].format(top=0.2, left=-0.2) + sinks)
+    result = drystone(path, "--json", "--out", tmp_path / "out")
+    assert result.exit_code == 2 and set(json.loads(result.stdout)) >= KEYS
+    assert drystone(path).output.count("give a [load]") == 1
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_faulty_file_is_told_as_json_too(tmp_path):
     path = tmp_path / "faulty.toml"
     path.write_text("dimension = 2")

@@ -87,6 +87,7 @@ def limit(
         from drystone.cli.compiler import compiling
         from drystone.io.modelfile import ModelError, read_model
         from drystone.limit import FLOWS, NonAssociativeSettings, collapse_loads, default_paths
+        from drystone.limit.collapse import NO_LOAD
         from drystone.model.construction.words import printable
         from drystone.report.folder.limit import collapse_to_dict, write_collapse
 
@@ -94,6 +95,8 @@ def limit(
             model = read_model(model_file, need_stiffness=False, need_engine=False)
         except ModelError as error:
             fail(WRONG, error.problems, as_json=as_json, extra=_empty(flow))
+        if model.settlement is not None:
+            fail(WRONG, [f"{model_file}: {NO_LOAD}"], as_json=as_json, extra=_empty(flow))
         if out is not None:
             from drystone.io.results.folder import check_apart, check_writable
             from drystone.report.folder.limit import limit_files
