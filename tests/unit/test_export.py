@@ -29,7 +29,8 @@ from drystone.io.results.summary import plain, summarise, to_json
 from drystone.limit.beside import Beside
 from drystone.report.folder.directory import ResultsDirectory
 from drystone.report.folder.pictures import mechanism_row
-from drystone.results.curve import COLUMNS, TieRecord
+from drystone.results.curve import COLUMNS, SETTLEMENT, TieRecord
+from drystone.results.events import Event, EventKind
 from drystone.results.frames import rows_along
 
 FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
@@ -574,6 +575,16 @@ def test_a_series_of_unstable_points_is_told():
     model = synthetic.wall_model()
     (said,) = (s for s in remarks(branch, model, Beside()) if "unstable branch" in s)
     assert said.startswith(f"From {x[20]:.4g} m to {x[31]:.4g} m the curve is an unstable branch")
+
+
+def test_a_control_point_that_stays_behind_is_told_unless_supports_move():
+    """The displacements are then those of the supports, which show every collapse."""
+    model, curve = synthetic.wall_model(), synthetic.curve()
+    place = {"step": 20, "control_displacement": 0.1, "load_multiplier": 0.3}
+    fallen = Event(kind=EventKind.BLOCK_FALLEN, blocks=("1.1",), **place)
+    loaded = replace(curve, events=(fallen,))
+    said = [remarks(c, model, Beside()) for c in (loaded, replace(loaded, strategy=SETTLEMENT))]
+    assert ["does not take part" in " ".join(each) for each in said] == [True, False]
 
 
 def test_a_part_that_comes_loose_elsewhere_is_not_the_end():

@@ -290,8 +290,9 @@ def remarks(curve: CapacityCurve, model: Model, beside: Beside) -> list[str]:
             f"{capacity.load_multiplier:.4f}"
         )
     control = model.assembly.ids[model.control_point.block]
-    stays = first is not None and control not in falls_with(curve.events, first)
-    if first is not None and stays and curve.points[-1].step > first.step:
+    # Where supports move, displacements are theirs, whatever falls.
+    shown = curve.moves_supports or first is None or control in falls_with(curve.events, first)
+    if first is not None and not shown and curve.points[-1].step > first.step:
         found.append(
             f'the control point, on the block "{control}", does not take part where '
             f"{first.what} ({first.place}): its displacement does not show that collapse"
