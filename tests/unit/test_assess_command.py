@@ -645,6 +645,7 @@ def test_a_cyclic_curve_that_does_not_go_far_enough_has_no_verdict(made, tmp_pat
     drystone("run", tmp_path / "short.toml", "--out", tmp_path / "short", "--quiet")
     result = drystone("assess", tmp_path / "short", *FLAGS)
     assert result.exit_code == 3 and "3 displacements of the history" in result.output
+    assert "stopped: in this sense the curve goes to 0.02 m" in result.output
 
 
 def test_of_a_cyclic_curve_the_sense_that_goes_far_enough_has_the_verdict(made, tmp_path):

@@ -9,6 +9,7 @@ import pytest
 import drystone as ds
 from builders import stack, stiff_joint
 from drystone.assessment.mechanism.envelope import static_envelope
+from drystone.common.language import say
 from drystone.model.construction.errors import ModelError
 from drystone.results.cycles import cycles_of, envelope, reversals
 from drystone.results.events import Event, EventKind
@@ -163,6 +164,8 @@ def test_a_collapse_in_one_sense_is_none_of_the_other():
     along, against = cut.outward(), cut.outward(-1.0)
     assert (along.status, along.ended_by.step) == ("finished", len(along.points) - 1)
     assert (against.status, against.ended_by) == ("stopped", None)
+    assert against.reason == "; ".join((str(say("end.not_in_this_sense", most=0.1)), cut.reason))
+    assert along.reason == cut.reason
     assert static_envelope(along).collapse_displacement == pytest.approx(0.15, rel=1e-6)
     assert static_envelope(against).collapse_displacement is None
 

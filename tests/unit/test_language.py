@@ -181,6 +181,7 @@ class TestEnds:
             say("end.low_peak", peak=0.005, stop=0.01),
             say("end.in_leg", leg="displacement 2 of 3", how=say("end.no_rest", n=4)),
             say("end.control_moved", block="b1"),
+            say("end.not_in_this_sense", most=0.12),
         ],
     )
     def test_is_recognised_whole(self, end):

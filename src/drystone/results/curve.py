@@ -618,7 +618,10 @@ class CapacityCurve:
         if last is not None and sense * last.control_displacement < 0.0:
             last = None
         end = sense * (self._ultimate_of_cycles or 0.0)
-        collapsed = self.status == FINISHED and (end > 0.0 or last is not None)
+        complete = self.status == FINISHED
+        collapsed = complete and (end > 0.0 or last is not None)
+        # The history may well be done with: what is missing is a collapse in this sense.
+        short = say("end.not_in_this_sense", most=float(x[rows[-1]]))
         return replace(
             self,
             strategy=DISPLACEMENT,
@@ -630,6 +633,7 @@ class CapacityCurve:
             events=tuple(happened(e) for e in self.events if e.step <= rows[-1]),
             ended_by=last and happened(last),
             status=FINISHED if collapsed else STOPPED,
+            reason=f"{short}; {self.reason}" if complete and not collapsed else self.reason,
         )
 
     def departed(self, ids: Sequence[str], step: int) -> BoolArray:
