@@ -391,6 +391,32 @@ def test_missing_or_wrong_input_is_status_2_with_the_mend(results, arguments, sa
     assert said in result.stderr and "Traceback" not in result.stderr
 
 
+@pytest.fixture(scope="module")
+def short(tmp_path_factory) -> Path:
+    """The folder of a curve of the wall that ends long before the collapse."""
+    folder = tmp_path_factory.mktemp("short")
+    wall = wall_in_courses(evenly(2), displacement_step=0.02, max_displacement=0.05)
+    write_model(wall, folder / "wall.toml")
+    drystone("run", folder / "wall.toml", "--out", folder / "wall", "--quiet")
+    return folder / "wall"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--method", "rocking", *FLAGS[4:]), 'needs "records" or "pulses"'),
+        (("--method", "ntc2018-local", *FLAGS[4:]), '"confidence_factor"'),
+        ((*FLAGS, "--set", 'assessment.limit_states=["SLO"]'), '"SLO" is to be verified'),
+    ],
+)
+def test_what_is_missing_is_status_2_of_a_short_curve_too(short, arguments, said):
+    """It was 3, with the end of the curve as the reason: no longer curve would have mended it."""
+    result = drystone("assess", short, *arguments)
+    assert result.exit_code == 2 and result.output.count(said) == 1, result.output
+    assert "The curve is" not in result.output
+    assert drystone("assess", short, *FLAGS).exit_code == 3
+
+
 def test_bad_spectra_and_folders_are_status_2(results, tmp_path):
     spectrum = tmp_path / "spectrum.csv"
     spectrum.write_text("T,Se\n0,0.2\n0.5,-0.1\n")

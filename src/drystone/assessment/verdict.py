@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError, UnfinishedError
+from drystone.assessment.errors import AssessmentError, MissingError, UnfinishedError
 from drystone.assessment.mechanism import Reduction, reduced
 from drystone.assessment.methods import METHODS, Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
@@ -172,6 +172,8 @@ def verdict_on(
     own = found.capacities[settings.reading]
     try:
         answer = assess(own, asked.spectra, settings)
+    except MissingError:
+        raise  # no other curve would mend it
     except AssessmentError as error:
         if own.collapse_displacement is not None:
             raise

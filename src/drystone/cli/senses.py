@@ -313,13 +313,14 @@ def _judged(
     """The verdict on a curve, or why there is none: its own fault, for that of the input is
     raised along the load; ``against`` as of `verdict_on`."""
     from drystone.assessment.errors import AssessmentError, UnfinishedError
-    from drystone.assessment.request import request_of
+    from drystone.assessment.request import check_request, request_of
     from drystone.assessment.verdict import in_one_sense, sense_words, verdict_on
 
     request = request_of(model.site, model.assessment)
     try:
         verdict = verdict_on(curve, model, request, against=against)
     except AssessmentError as error:
+        check_request(request)  # a key that is missing is told whatever the curve lacks
         if name == FORWARD and not isinstance(error, UnfinishedError):
             raise
         problem = say("verdict.no_verdict", sense=sense_words(name), why=error.said)

@@ -275,7 +275,7 @@ def spectra_of(
                 f"[site] has those of {', '.join(given)}: without such tables its spectrum is for "
                 "all limit states"
             )
-        raise AssessmentError(
+        raise MissingError(
             f'method "{settings.method}" verifies {", ".join(states)}, and none of them has a '
             f"spectrum: {mend}"
         )
@@ -283,7 +283,7 @@ def spectra_of(
     if settings.limit_states is not None:
         wrong = [name for name in settings.limit_states if name not in spectra]
         if wrong:
-            raise AssessmentError(
+            raise MissingError(
                 f'"{wrong[0]}" is to be verified, but method "{settings.method}" has no such limit '
                 f"state with a spectrum: {', '.join(spectra)}"
             )

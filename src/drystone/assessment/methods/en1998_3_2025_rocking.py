@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError, not_negative, positive
+from drystone.assessment.errors import AssessmentError, MissingError, not_negative, positive
 from drystone.assessment.methods import common, local
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable, of_the_ground
@@ -186,7 +186,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         elif name in (settings.get("damping") or {}):
             found.append(_ultimate(name, c, spectrum, settings, factors, is_verified))
         elif name in owed:
-            raise AssessmentError(
+            raise MissingError(
                 f'method "{NAME}" needs "damping" of {name}: the standard\'s value is not known '
                 "here; give the ratio that you answer for"
             )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError, not_negative
+from drystone.assessment.errors import MissingError, not_negative
 from drystone.assessment.methods import common, local
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra, spectra_of
 from drystone.assessment.methods.ground import bearable, of_the_ground
@@ -66,7 +66,7 @@ def displacement_demand(
     if not spectrum.site_specific:
         return float(spectrum.sd(period, damping))
     if elastic_period is None:
-        raise AssessmentError(
+        raise MissingError(
             f'method "{NAME}" needs "elastic_period": with the spectrum of a site the demand is '
             "the largest S_De between T_0 and T_LS (Circ. 7/2019 C8.7.1.2.1.8); T_0 is 0 where "
             "the mechanism is rigid until it rocks"

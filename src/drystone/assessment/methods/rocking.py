@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from drystone.assessment.capacity import Capacity
-from drystone.assessment.errors import AssessmentError
+from drystone.assessment.errors import AssessmentError, MissingError
 from drystone.assessment.methods import common, local
 from drystone.assessment.methods.base import Assessment, LimitState, Settings, Spectra
 from drystone.assessment.rocking.block import RockingBlock, equivalent_block
@@ -138,7 +138,7 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
         the curve has no collapse.
     """
     if not settings.records and not settings.pulses:
-        raise AssessmentError(
+        raise MissingError(
             f'method "{NAME}" needs "records" or "pulses": motions of the ground, since spectra do '
             "not tell how a body rocks"
         )
