@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drystone as ds
-from builders import stack
+from builders import stack, stiff_joint
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods.base import Settings
 from drystone.assessment.spectra.ntc2018 import NtcSpectrum
@@ -269,6 +269,29 @@ def test_a_model_is_traced_in_both_senses_and_the_worse_governs(made, tmp_path):
     again = json.loads(drystone("assess", out, "--json").stdout)  # both senses are found again
     assert again["safety_index"] == pytest.approx(least, rel=1e-12)
     assert again["governing_sense"] == found["governing_sense"]
+
+
+def test_a_control_point_that_was_moved_on_its_block_is_that_of_the_folder(tmp_path):
+    """A tie holds the top, so that the foot slides: displacements are those of the foot."""
+    held = ds.TieEnd(point=np.array([0.0, 1.8]), block="b1")
+    tie = ds.Tie(
+        start=held,
+        end=ds.TieEnd(point=np.array([-2.0, 1.8])),
+        stiffness=1e6,
+        yield_force=2e4,
+        compression=False,
+    )
+    model = stack((0.4, 2.0), joint=stiff_joint(0.7), ties=[tie])
+    write_model(model, path := tmp_path / "tied.toml")
+    out = tmp_path / "out"
+    of_model = drystone("assess", path, *FLAGS, "--out", out, "--quiet", "--json")
+    assert of_model.exit_code == 0, of_model.output
+    assert ds.load_results(out).model.control_point.point[1] < 1.8
+    of_folder = drystone("assess", out, *FLAGS, "--json")
+    assert of_folder.exit_code == 0, of_folder.output
+    first, again = (json.loads(told.stdout) for told in (of_model, of_folder))
+    assert again["safety_index"] == first["safety_index"]
+    assert list(again["senses"]) == ["along the load", "against the load"]
 
 
 def test_what_is_missing_is_said_before_anything_is_traced(made, tmp_path):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import drystone as ds
 from builders import stack
 from drystone.io.modelfile import ModelError, model_to_dict, read_model, write_model
 from drystone.io.modelfile.schema import OPTION_NAMES, AnalysisSection
@@ -549,3 +550,17 @@ def test_a_default_control_point_is_written_as_one(tmp_path):
     assert read_model(tmp_path / "model.toml").control_point.default
     write_model(stack((0.4, 1.0), control_point="top left"), tmp_path / "model.toml")
     assert not read_model(tmp_path / "model.toml").control_point.default
+
+
+def test_a_default_control_point_that_was_moved_on_its_block_is_written(tmp_path):
+    """A reader would take the usual one, whose displacements are others."""
+    model = stack((0.4, 1.0))
+    usual = model.control_point
+    moved = replace(model, control_point=replace(usual, point=np.array([-0.2, 0.0])))
+    assert moved.sha256 != model.sha256
+    write_model(moved, tmp_path / "model.toml")
+    again = read_model(tmp_path / "model.toml").control_point
+    assert again.point.tolist() == [-0.2, 0.0] and again.block == usual.block
+    solid = ds.extruded(model)  # halfway between two usual points
+    write_model(solid, tmp_path / "solid.toml")
+    assert read_model(tmp_path / "solid.toml").control_point.default

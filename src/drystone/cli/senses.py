@@ -96,7 +96,8 @@ def _of_model(ask: Tracing, amended: Callable[[Model], Model]) -> list[Sense]:
         return [first]
     if first.traced is not None and first.traced.is_cyclic:
         return [first, _judged_against(model, first.traced, folder, first.sha256)]
-    return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask)]
+    # Of the model that was traced: its control point may have been moved.
+    return [first, _traced_opposite(model, folder / OPPOSITE_FOLDER, ask, part_of=first.sha256)]
 
 
 def _both(ask: Tracing, model: Model) -> bool:
@@ -268,8 +269,9 @@ def _fail_if_interrupted(curve: CapacityCurve, folder: Path, ask: Tracing) -> No
         fail(INTERRUPTED, [problem], as_json=ask.as_json, status="interrupted")
 
 
-def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
-    """The model under the load turned round; where it cannot be traced, why."""
+def _traced_opposite(model: Model, folder: Path, ask: Tracing, *, part_of: str) -> Sense:
+    """The model under the load turned round; where it cannot be traced, why.  ``part_of`` as of
+    `ResultsDirectory`."""
     from drystone.analysis.directions import towards
     from drystone.engines.base import EngineError
     from drystone.model.construction.errors import ModelError
@@ -280,7 +282,7 @@ def _traced_opposite(model: Model, folder: Path, ask: Tracing) -> Sense:
             towards(model, 180.0),
             title=f"{model.title}, {OPPOSITE}" if model.title else OPPOSITE,
         )
-        return _traced_one(OPPOSITE, turned, folder, ask, part_of=model.sha256)
+        return _traced_one(OPPOSITE, turned, folder, ask, part_of=part_of)
     except (EngineError, ModelError, ValueError) as error:  # of a pattern of one sense the last
         return _refused(turned, folder, error)
 

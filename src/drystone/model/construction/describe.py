@@ -17,6 +17,7 @@ from drystone.model.construction.errors import ModelError
 from drystone.model.construction.fit import DRAWING_TOLERANCE, fitted
 from drystone.model.joint_law import JointLaw
 from drystone.model.model import Analysis, Model
+from drystone.model.monitor import ControlPoint
 
 
 def model_to_dict(model: Model) -> dict[str, Any]:
@@ -62,7 +63,7 @@ def _described(model: Model) -> dict[str, Any]:
     control = model.control_point
     # One that nobody has named may still move to a block that falls: see `analysis.driver`.
     usual = choose_control_point(assembly, model.load_along) if control.default else None
-    unnamed = usual is not None and control.block == usual.block
+    unnamed = usual is not None and _is_at(usual, control, assembly)
     chosen = {"block": assembly.blocks[control.block].id, "point": control.point.tolist()}
     data["control"] = {
         **({} if unnamed else chosen),
@@ -77,6 +78,19 @@ def _described(model: Model) -> dict[str, Any]:
     if model.assessment is not None:
         data["assessment"] = model.assessment.as_dict()
     return {key: _plain(value) for key, value in data.items()}
+
+
+def _is_at(usual: ControlPoint, control: ControlPoint, assembly: Assembly) -> bool:
+    """Whether a control point that nobody named is still the usual one.
+
+    Where a mechanism moves another corner of its block, it is there, and a file has to name it.
+    Off the corners it is only in a model that was extruded: halfway between two usual ones.
+    """
+    if control.block != usual.block:
+        return False
+    corners = assembly.blocks[control.block].vertices
+    at_corner = bool(np.all(corners == control.point, axis=1).any())
+    return not at_corner or np.array_equal(control.point, usual.point)
 
 
 def _plain(value: Any) -> Any:
