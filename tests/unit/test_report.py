@@ -274,6 +274,21 @@ def test_curve_figure_of_any_length(tmp_path, n, end):
     assert is_picture(tmp_path / "curve.png")
 
 
+def test_a_curve_that_ends_far_beyond_what_is_shown(tmp_path, recwarn):
+    """Its last point, in motion, had a mark where it was, which left no place for the axes."""
+    curve = synthetic.curve(end=0.1, status="stopped")
+    last = synthetic.point(len(curve.points), 0.12, 1e7, status="dynamic")
+    curve = replace(curve, points=(*curve.points, last))
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", curve)])
+    (mark,) = (line for line in axes.lines if line.get_label() == "curve stopped")
+    assert axes.get_ylim()[1] < 1.0 and 0.0 < mark.get_ydata()[0] < axes.get_ylim()[1]
+    (words,) = (text for text in axes.texts if text.get_text().startswith("ends at"))
+    assert words.xy[1] == mark.get_ydata()[0]
+    draw_curve(curve, tmp_path / "curve.png")
+    assert not recwarn.list
+
+
 def test_benchmark_page(tmp_path):
     model = synthetic.wall_model()
     for engines in (["nscd"], ["nscd", "distinct"], ["a", "b", "c"]):

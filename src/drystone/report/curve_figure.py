@@ -150,7 +150,7 @@ def plot_curves(
     _plot_beside(axes, unit, reference, limits or {})
     if marks and len(curves) == 1:
         _mark_peak(axes, curves[0][1], unit)
-        _mark_end(axes, curves[0][1], unit)
+        _mark_end(axes, curves[0][1], unit, _of_rest(axes, curves, reference, limits or {}))
     if branches:
         _mark_collapse(axes, curves[0][1], unit)
     axes.set_xlabel(f"{DISPLACEMENT} [{unit.name}]")
@@ -331,8 +331,12 @@ def _mark_collapse(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     mark_collapse(axes, first.control_displacement * unit.per_metre, first.load_multiplier)
 
 
-def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
-    """The ultimate displacement, or where and why the curve breaks off before."""
+def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit, shown: tuple[float, float]) -> None:
+    """The ultimate displacement, or where and why the curve breaks off before.
+
+    ``shown`` is the range of multipliers that the axes show.  A curve may break off in motion far
+    beyond it: a mark out there would squeeze the axes to nothing.
+    """
     ultimate, last = curve.ultimate_displacement, curve.points[-1]
     if ultimate is not None and curve.ends_in_motion:
         last = curve.at_rest[-1]
@@ -346,6 +350,7 @@ def _mark_end(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
     else:
         x, y = last.control_displacement * unit.per_metre, last.load_multiplier
         text, label = f"ends at\n{length_text(last.control_displacement)}", f"curve {curve.status}"
+        y = float(np.clip(y, *shown))
         marker, face = "X", canvas.CURVE_COLOURS[1]
     axes.plot(
         x,
