@@ -123,6 +123,15 @@ def test_noise_is_no_reversal():
     assert len(cycles_of(shaken, y, noise=0.03)) == 2
 
 
+def test_a_fall_on_the_way_to_a_target_is_no_cycle():
+    """Thrown back by 0.6 on the way to 2, the path had four cycles."""
+    x = np.array([0.0, 1.0, 0.4, 2.0, -1.0, -0.5, -2.0, 0.0])
+    assert len(cycles_of(x, x)) > 1
+    (cycle,) = cycles_of(x, x, least_way=1.0)  # half of the way from zero to the first target
+    assert cycle.closed and (cycle.first, cycle.last) == (0, 7)
+    assert (cycle.greatest, cycle.least) == (2.0, -2.0)
+
+
 def test_a_path_that_does_not_come_back_is_open():
     x, y = ellipse(loops=1)
     (cycle,) = cycles_of(x[:3000], y[:3000])

@@ -624,6 +624,7 @@ class _Run:
             motion_unit=self.model.settlement.unit if self.model.settlement else "m",
             load_force=self.model.load_force,
             load_turns=self.model.load.turns_gravity,
+            targets=self.model.history.targets if self.model.history else (),
             model=self.model,
             blocks_left=tuple(self.left),
             events=self.log.end(),

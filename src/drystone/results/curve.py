@@ -257,6 +257,7 @@ class CapacityCurve:
     motion_unit: str = "m"  # of control displacements; "rad" where they are a rotation of supports
     load_force: float = math.nan  # N, of the load pattern at multiplier one
     load_turns: bool = False  # whether it turns gravity, and so shrinks as the angle grows
+    targets: tuple[float, ...] = ()  # m, that a cyclic analysis was to reach one after another
     model: Model | None = None  # what was traced; None of curves that were read
 
     @property
@@ -383,7 +384,11 @@ class CapacityCurve:
         load = self.load_force * multiplier
         if self.load_turns:
             load = load / np.sqrt(1.0 + multiplier**2)  # see `TiltPattern`
-        return cycles_of(self.control_displacement, load)
+        # On the way to a target the structure may fall, which throws the control point back: what
+        # is shorter than half of the shortest way to a target is no way to another one.
+        ways = np.abs(np.diff((0.0, *self.targets)))
+        least_way = 0.5 * float(ways.min()) if len(ways) else 0.0
+        return cycles_of(self.control_displacement, load, least_way=least_way)
 
     def envelope(self, sense: float = 1.0) -> tuple[Array, Array]:
         """Control displacements [m] and multipliers of points farther out in a sense, 1 or -1, than

@@ -70,7 +70,9 @@ class Cycle:
         }
 
 
-def cycles_of(displacement: Array, force: Array, *, noise: float = 0.0) -> tuple[Cycle, ...]:
+def cycles_of(
+    displacement: Array, force: Array, *, noise: float = 0.0, least_way: float = 0.0
+) -> tuple[Cycle, ...]:
     """Cycles of a loop.
 
     Parameters
@@ -78,10 +80,12 @@ def cycles_of(displacement: Array, force: Array, *, noise: float = 0.0) -> tuple
     displacement, force
         (n_points,) [m], [N], in the order in which they were passed.
     noise
-        Motion [m] up to which a reversal is none.
+        Displacement [m] up to which a path is at zero.
+    least_way
+        Motion [m] up to which a reversal is none, if it is larger than the noise.
     """
     noise = max(noise, ENDS_AT_ZERO * float(np.abs(displacement).max(initial=0.0)))
-    reversed_at = reversals(displacement, noise=noise)
+    reversed_at = reversals(displacement, noise=max(noise, least_way))
     if len(reversed_at) < 2:
         return ()
     sense = 1.0 if displacement[reversed_at[1]] > displacement[reversed_at[0]] else -1.0

@@ -194,6 +194,7 @@ def _curve_of(
         ties=ties,
         load_force=model.load_force if model is not None else math.nan,
         load_turns=model is not None and model.load.turns_gravity,
+        targets=model.history.targets if model is not None and model.history else (),
         motion_unit=model.settlement.unit if model is not None and model.settlement else "m",
     )
 
