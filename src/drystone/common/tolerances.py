@@ -504,9 +504,9 @@ LEAST_CHORD = 1e-3
 #: it, peaks by 7e-6.
 CLOSING_SHARE = 0.1
 
-#: Largest overshoot within a step, over the peak, if the step exceeds the peak.  Range, by
-#: `distinct`:
-#: one peak (`plane` 8) by 4.4e-4, the others the same; steps by -8 %, nearly all of that one.
+#: Largest overshoot within a step, over the peak, if the step exceeds the peak; and the largest
+#: excess of a step that passes the peak.  Range, by `distinct`: one peak (`plane` 8) by 4.4e-4, the
+#: others the same; steps by -8 %, nearly all of that one.
 OVERSHOOT_SHARE = 5e-3
 
 #: Largest overshoot within any other step, over the peak.  Range, by `distinct`: no peak, steps by
@@ -672,7 +672,8 @@ WITH_THE_REST = 0.25
 #: Range, of 7 by `nscd`: no peak; where halved, an end by 59 %; iterations by 3 %.
 SAME_MULTIPLIER = 0.2
 
-#: Share of the highest multiplier so far above which an excess may hide a peak or a bend.
+#: Share of the highest multiplier so far above which an excess may hide a peak or a bend.  If a
+#: step passes the peak, the excess is `OVERSHOOT_SHARE` of it at most.
 #: Range, of 7 by `nscd`: a peak by 2.5e-4 and iterations by 13 % where halved, by -5 % where
 #: doubled.
 HIDES = 1.0 / 30.0

@@ -145,8 +145,14 @@ class ExcessControl(Strategy[ExcessState]):
         nearer = self._nearer_to_peak(state, report)
         if nearer is not None:
             return nearer
+        if not self._yields(state, report):
+            return None
+        if report.static_multiplier < state.static == state.highest:
+            # Somewhere between the last point and the applied multiplier is the peak.
+            finest = tolerances.OVERSHOOT_SHARE * state.highest
+            return max(0.5 * state.excess, finest) if state.excess > finest else None
         finest = self._finest(max(state.highest, report.applied_multiplier))
-        if state.excess <= (1.0 + tolerances.ROUNDING) * finest or not self._yields(state, report):
+        if state.excess <= (1.0 + tolerances.ROUNDING) * finest:
             return None
         # The finest excess of the next trial, whose applied multiplier contains the excess itself.
         finest = max(
