@@ -699,7 +699,8 @@ EXCESS_GROWTH = 1.5
 
 #: Motion per multiplier in a step, over that in the step before, above which the step may have
 #: passed the peak.  Range: peaks of the published walls by `nscd` are 1e-5 above, 4e-4 below and
-#: 7e-6 above those of `equilibrium` with 1.25; 1.5e-3, 7e-4 and 1e-3 above with 2.0, in fewer steps.
+#: 7e-6 above those of `equilibrium` with 1.25; with 2.0 they are 1.5e-3, 7e-4 and 1e-3 above, in
+#: fewer steps.
 SOFTER = 1.25
 
 # Control: the published strategy -----------------------------------------------------------------
