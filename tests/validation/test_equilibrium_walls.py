@@ -153,12 +153,11 @@ def test_the_peak_rises_with_the_stiffness_of_joints_to_that_of_limit_analysis(w
 @pytest.mark.slow
 @pytest.mark.parametrize("wall", WALLS)
 def test_the_first_order_engine_comes_to_the_same_branch(wall):
-    """nscd with steps of 0.5 mm is within a median of 0.005.  With steps half as long it is nearer
-    than with its own.
+    """nscd with steps of 0.5 mm: within a median of 0.005, and nearer than with its own steps.
 
-    Ours has steps of 0.5 mm: on wall 3 the engines differ by less than what lies between points of
+    Ours has steps as short: on wall 3 the engines differ by less than what lies between points of
     longer ones.  There nscd's own steps and those of 0.5 mm are equally near, 5e-5, and which of
-    them is nearer hangs on where the curves are compared.
+    them is nearer hangs on where the curves are compared.  Steps half as long are nearer on all.
     """
     ours = traced(wall, displacement_step=5e-4)
     d = np.linspace(0.005, 0.95 * ours.ultimate_displacement, 400)
@@ -172,5 +171,7 @@ def test_the_first_order_engine_comes_to_the_same_branch(wall):
             )
         )
 
-    assert apart(displacement_step=5e-4) <= 5.5e-3
-    assert apart(displacement_step=2.5e-4) < apart()
+    fine, own = apart(displacement_step=5e-4), apart()
+    assert fine <= 5.5e-3
+    assert fine < own or (wall == 3 and own < 1e-4)
+    assert apart(displacement_step=2.5e-4) < own
