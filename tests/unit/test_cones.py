@@ -42,17 +42,19 @@ def product(a, b):
     return np.array([a @ b, *(a[0] * b[1:] + b[0] * a[1:])])
 
 
+@pytest.mark.parametrize("raised", [0.0, 0.2, 0.6])
 @pytest.mark.parametrize("energy", [1e-6, 1e-2, 10.0])
-def test_central_variables_have_the_products_of_their_barrier(energy):
+def test_central_variables_have_the_products_of_their_barrier(energy, raised):
     rng = np.random.default_rng(7)
-    n, joint = 40, joints_of(40, 0.6)
+    n, joint = 40, joints_of(40, 0.6, raised)
     trial, inner = (
         rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-1, 3, (n, 1)),
         np.zeros((n, cones.N_INNER)),
     )
     cones.centre_contacts(joint, energy, True, trial, inner)
     for v, t in zip(inner, trial, strict=True):
-        assert v[PN] - v[W] == pytest.approx(t[0], rel=1e-9)
+        lifted = raised * v[ZETA]  # may be much larger than the trial reaction
+        assert v[PN] - v[W] - lifted == pytest.approx(t[0], rel=1e-9, abs=1e-12 * lifted)
         assert v[PN] * v[W] == pytest.approx(H * H * STIFFNESS * energy, rel=1e-9)
         assert v[[P1, P2]] + v[[Z1, Z2]] == pytest.approx(t[1:], rel=1e-9, abs=1e-12 * v[PN])
         pair, slack = np.array([0.6 * v[PN], v[P1], v[P2]]), np.array([v[ZETA], -v[Z1], -v[Z2]])
@@ -152,6 +154,21 @@ def test_normal_reactions_leave_their_cones_within_the_radius_and_are_put_back()
         assert moved[c, of] < 0.0
         cones.centre_contacts(joint, energy, False, trial, moved)
         assert moved[:, [PN, W]] == pytest.approx(inner[:, [PN, W]], rel=1e-9)
+
+
+def test_a_joint_that_dilates_is_put_back_with_its_slip():
+    """It slides at its friction, r = T + c (|T_t| - mu r); T is 4e4 times larger than r."""
+    joint, energy, raised = joints_of(1, 0.5, 0.5), 1e-8, 0.5
+    trial = np.array([[-4e5, 8e5, 0.0]]) + [[12.0, 0.0, 0.0]]
+    inner = np.zeros((1, cones.N_INNER))
+    cones.centre_contacts(joint, energy, True, trial, inner)
+    moved = inner.copy()
+    moved[0, PN] *= -0.1
+    cones.centre_contacts(joint, energy, False, trial, moved)
+    assert moved == pytest.approx(inner, rel=1e-9)
+    reaction, slack, zeta = moved[0, [PN, W, ZETA]]
+    assert reaction - slack - raised * zeta == pytest.approx(trial[0, 0], rel=1e-9)
+    assert reaction == pytest.approx(12.0 / (1.0 + 0.5 * raised), rel=1e-3)
 
 
 def test_the_scaling_takes_slacks_to_impulses():

@@ -7,7 +7,9 @@ import pytest
 
 import drystone as ds
 from builders import UNIT_WEIGHT, stack
+from drystone.limit import ASSOCIATIVE, collapse_load
 from drystone.model.builders import extruded
+from random_kinds import KINDS
 
 LENGTH, HEIGHT, FRICTION, ANGLE = 0.5, 0.05, 0.6, 10.0
 
@@ -111,3 +113,16 @@ class TestWhereDilatancyEnds:
             FRICTION * (weight + force) / weight, rel=2e-3
         )
         assert curve.load_multiplier[-1] == pytest.approx(curve.load_multiplier.max(), rel=2e-3)
+
+
+def test_a_stiff_arch_in_space_carries_the_associative_multiplier():
+    """Its joints dilate as much as they rub.  Normal reactions are small differences of trial
+    reactions and lifts, so that a search that mistakes one of the two does not come to rest."""
+    arch = KINDS["arch"](1001)
+    angle = np.degrees(np.arctan(arch.assembly.joint.friction_coefficient))
+    model = arch.with_joint(dilatancy_angle=angle, normal_stiffness=1e12, shear_stiffness=1e12)
+    curve = ds.pushover(model, engine="equilibrium")
+    assert curve.status == "finished"
+    assert all(point.status != "dynamic" for point in curve.points)
+    bound = collapse_load(model, flow=ASSOCIATIVE).load_multiplier
+    assert curve.peak.load_multiplier == pytest.approx(bound, rel=5e-4)

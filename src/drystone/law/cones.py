@@ -127,10 +127,11 @@ def _floor(table, inner, c):
 
 
 @njit(cache=True, error_model="numpy")
-def _is_central(inner, c, most, beta):
-    """Whether the pairs of a contact lie well within their cones, for the product ``beta`` that
-    they should have; ``most`` [N] is the largest shear."""
-    zeta = inner[c, ZETA]
+def _is_central(table, inner, c, energy):
+    """Whether the pairs of a contact lie well within their cones, for the product that they should
+    have with a barrier ``energy`` [J]."""
+    beta = 2.0 * table[c, STIFF_T] * energy + _floor(table, inner, c)
+    most, zeta = table[c, FRICTION] * inner[c, PN] + table[c, INTERCEPT], inner[c, ZETA]
     square = inner[c, P1] * inner[c, P1] + inner[c, P2] * inner[c, P2]
     slid = inner[c, Z1] * inner[c, Z1] + inner[c, Z2] * inner[c, Z2]
     if not (square < most * most and slid < zeta * zeta and zeta > 0.0):
@@ -170,6 +171,77 @@ def _distance_of_friction(most, size, beta):
     return distance
 
 
+@njit(cache=True, error_model="numpy")
+def _dilation(table, c, trial, size, energy):
+    """The part c zeta of the normal equation of a contact that dilates, on the central path [N].
+
+    ``trial`` and ``size`` [N] are its trial normal reaction and its trial shear.  The reaction r
+    solves r - k_n e / r - c zeta(mu r) = T_n, of which the left side grows with r.  In a joint that
+    slides, T_n and c zeta are much larger than their sum, so that neither may be taken without the
+    other.  Joints that dilate are never crushed.
+    """
+    product, beta = table[c, STIFF_N] * energy, 2.0 * table[c, STIFF_T] * energy
+    raised = table[c, LIFT] / table[c, STIFF_T]
+    larger = 0.5 * (abs(trial) + np.sqrt(trial * trial + 4.0 * product))
+    r = larger if trial > 0.0 else product / larger  # without dilatancy, which adds to it
+    low, high, lifted = 0.0, np.inf, 0.0
+    for _ in range(80):
+        most = table[c, FRICTION] * r + table[c, INTERCEPT]
+        pair = beta + 2.0 * LEAST_DISTANCE * most * size
+        s = _distance_of_friction(most, size, pair)
+        both, excess = s * (2.0 * most - s), size - most + s
+        lifted = raised * pair * most / both
+        missing = trial + lifted - r + product / r
+        if missing > 0.0:
+            low = r
+        else:
+            high = r
+        # Rates by `most`: of the distance s, and of minus zeta.
+        rate = (both - 2.0 * s * excess + pair) / (both + 2.0 * excess * (most - s) + pair)
+        falls = raised * pair * (s * s + 2.0 * most * (most - s) * rate) / (both * both)
+        nearer = r + missing / (1.0 + product / r**2 + table[c, FRICTION] * falls)
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high) if high < np.inf else 2.0 * r
+        done = abs(nearer - r) <= LAST_DIGITS * r
+        r = nearer
+        if done:
+            break
+    return lifted
+
+
+@njit(cache=True, error_model="numpy")
+def _centre_normal(table, inner, c, trial, energy):
+    """Fill the normal variables of a contact with those on the central path; ``trial`` [N] is its
+    trial normal reaction, with the part of dilatancy."""
+    product = table[c, STIFF_N] * energy
+    larger = 0.5 * (abs(trial) + np.sqrt(trial * trial + 4.0 * product))
+    inner[c, PN] = larger if trial > 0.0 else product / larger
+    inner[c, W] = product / inner[c, PN]
+    inner[c, V], inner[c, CAP] = 0.0, 0.0
+    if table[c, CRUSH] > 0.0:
+        inner[c, PN], inner[c, W], inner[c, V], inner[c, CAP] = central_crushing(
+            trial, table[c, CRUSH], product
+        )
+
+
+@njit(cache=True, error_model="numpy")
+def _centre_friction(table, inner, c, t1, t2, energy):
+    """The same for the pairs of friction, for the trial shear (t1, t2) [N] and the normal reaction
+    that the contact has."""
+    size = np.sqrt(t1 * t1 + t2 * t2)
+    most = table[c, FRICTION] * inner[c, PN] + table[c, INTERCEPT]
+    if most == 0.0:
+        inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
+        inner[c, Z1], inner[c, Z2] = 0.0, 0.0
+        return
+    beta = 2.0 * table[c, STIFF_T] * energy + 2.0 * LEAST_DISTANCE * most * size
+    distance = _distance_of_friction(most, size, beta)
+    share = (most - distance) / size if size > 0.0 else 0.0
+    zeta, p1, p2 = beta * most / (distance * (2.0 * most - distance)), share * t1, share * t2
+    inner[c, P1], inner[c, P2], inner[c, ZETA] = p1, p2, zeta
+    inner[c, Z1], inner[c, Z2] = zeta * p1 / most, zeta * p2 / most
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def centre_contacts(table, energy, everything, trial, inner):
     """Centre contacts: fill their variables ``inner`` with those on the central path, for their
@@ -186,33 +258,18 @@ def centre_contacts(table, energy, everything, trial, inner):
                 inner[c, ZETA], inner[c, Z1], inner[c, Z2] = 0.0, 0.0, 0.0
                 inner[c, V], inner[c, CAP] = 0.0, 0.0
             continue
-        beta = 2.0 * table[c, STIFF_T] * energy
-        product = table[c, STIFF_N] * energy
-        if everything or not _is_central_normal(table, inner, c, product):
-            larger = 0.5 * (abs(tn) + np.sqrt(tn * tn + 4.0 * product))
-            inner[c, PN] = larger if tn > 0.0 else product / larger
-            inner[c, W] = product / inner[c, PN]
-            inner[c, V], inner[c, CAP] = 0.0, 0.0
-            if table[c, CRUSH] > 0.0:
-                inner[c, PN], inner[c, W], inner[c, V], inner[c, CAP] = central_crushing(
-                    tn, table[c, CRUSH], product
-                )
-        most, size = (
-            table[c, FRICTION] * inner[c, PN] + table[c, INTERCEPT],
-            np.sqrt(t1 * t1 + t2 * t2),
-        )
-        if not everything and _is_central(inner, c, most, beta + _floor(table, inner, c)):
-            continue
-        if most == 0.0:
-            inner[c, P1], inner[c, P2], inner[c, ZETA] = 0.0, 0.0, 0.0
-            inner[c, Z1], inner[c, Z2] = 0.0, 0.0
-            continue
-        beta += 2.0 * LEAST_DISTANCE * most * size
-        distance = _distance_of_friction(most, size, beta)
-        share = (most - distance) / size if size > 0.0 else 0.0
-        zeta, p1, p2 = beta * most / (distance * (2.0 * most - distance)), share * t1, share * t2
-        inner[c, P1], inner[c, P2], inner[c, ZETA] = p1, p2, zeta
-        inner[c, Z1], inner[c, Z2] = zeta * p1 / most, zeta * p2 / most
+        friction = everything
+        normal = everything or not _is_central_normal(table, inner, c, table[c, STIFF_N] * energy)
+        if table[c, LIFT] > 0.0 and table[c, FRICTION] + table[c, INTERCEPT] > 0.0:
+            # The normal reaction and the slip depend on each other.  Both are centred, or neither.
+            normal = normal or not _is_central(table, inner, c, energy)
+            friction = normal
+            if normal:
+                tn += _dilation(table, c, tn, np.sqrt(t1 * t1 + t2 * t2), energy)
+        if normal:
+            _centre_normal(table, inner, c, tn, energy)
+        if friction or not _is_central(table, inner, c, energy):
+            _centre_friction(table, inner, c, t1, t2, energy)
 
 
 @njit(cache=True, error_model="numpy")
