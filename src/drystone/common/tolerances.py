@@ -941,10 +941,6 @@ LEAST_NEWTON = 0.05
 #: times more, 3 % fewer iterations of eight solids, peaks by up to 1.3e-3.
 FIRST_BARRIER_OF_IMPULSES = 1e-3
 
-#: Length of an iteration below which Newton's method is tried.  Range, from 0 to 1e-3: a solid by
-#: `nscd` (`solids` 8) is the same.
-LEAST_ITERATION = 1e-4
-
 #: Length of the predictor above which its second-order terms are used.  Range, 0.25 and 0.9, of a
 #: solid by `nscd` (`solids` 8): iterations by 9 %, its peak by 4e-3.
 FAR_ENOUGH = 0.5
@@ -952,10 +948,6 @@ FAR_ENOUGH = 0.5
 #: Barrier over the first at which the branches can be told apart.  Range, ten times more or less,
 #: of a solid by `nscd` (`solids` 8): iterations by 9 %, its peak by 6e-3.
 NEAR_BARRIER = 1e-5
-
-#: Barrier, over the first, above which the search is given up after `interior.PATIENCE` iterations.
-#: Range, from 0 to 10: a solid by `nscd` (`solids` 8) is the same.
-LOW_BARRIER = 1e-3
 
 #: Barrier that an iteration aims at, over the present one: at least, and at most.  Range of the
 #: first, ten times more or less, and of the second, 0.6 and 0.9, of a solid by `nscd` (`solids` 8):

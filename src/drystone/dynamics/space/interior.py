@@ -18,8 +18,6 @@ from drystone.common.tolerances import (
     FAR_ENOUGH,
     FIRST_BARRIER_OF_IMPULSES,
     LEAST_AIM,
-    LEAST_ITERATION,
-    LOW_BARRIER,
     MOST_AIM,
     NEAR_BARRIER,
     SHORTENED,
@@ -31,9 +29,8 @@ from drystone.engines.tie_forces import TieImpulses
 from drystone.law import cones as kernels
 from drystone.linear.block_system import BlockSystem, SingularMatrixError
 
-#: Largest number of iterations; and the number after which the search is given up if the barrier is
-#: not low yet.
-ITERATIONS, PATIENCE = 40, 30
+#: Largest number of iterations.
+ITERATIONS = 40
 
 
 @dataclass
@@ -79,15 +76,13 @@ class Interior:
         """Iterate; each iteration yields whether Newton's method is to be tried from here."""
         for k in range(ITERATIONS):
             try:
-                far = self.step()
+                self.step()
             except SingularMatrixError:
                 return
-            if k == PATIENCE and self.energy > LOW_BARRIER * self.first:
-                return
-            yield (k % 2 == 0 and self.energy < NEAR_BARRIER * self.first) or far < LEAST_ITERATION
+            yield k % 2 == 0 and self.energy < NEAR_BARRIER * self.first
 
-    def step(self) -> float:
-        """One iteration; returns the step length, at most 1."""
+    def step(self) -> None:
+        """One iteration."""
         joint = self.joint
         self.energy = kernels.scale(joint, self.inner, self.scaling)
         tangent = self.system.tangent
@@ -110,7 +105,6 @@ class Interior:
         self._renew()
         left = (1.0 - far) * self.energy + far * share * self.energy
         kernels.centre_contacts(joint, left, False, self.trial, self.inner)
-        return far
 
     def _length(self) -> float:
         """Step length for all contacts.  Pairs may leave their cones if they can be projected
