@@ -768,12 +768,8 @@ MOST_DEPARTURE = 0.1
 #: Range, of 10 with supports that move: highest reactions by 4e-7, iterations by 2.4 %.
 SUPPORT_BEND = 0.02
 
-#: Least length of steps that are repeated because of a bend, over the smallest and over the first
-#: step; and the factor by which a step is shortened.  Range, of 10 with supports that move: of the
-#: first two, halved, doubled, and both of them 0, the same; of the factor, a highest reaction by
+#: Factor by which a step is shortened.  Range, of 10 with supports that move: a highest reaction by
 #: 1.7e-4, the others by 3e-5, iterations by -7 % where halved, by 34 % where doubled.
-WORTH_BENDING = 20.0
-WORTH_OF_FIRST = 0.05
 SUPPORT_SHORTER = 0.3
 
 #: Share of the supports' displacement that counts as all of it.  Derived: a rounding.

@@ -105,16 +105,14 @@ class SupportControl(Strategy[_State]):
         advanced = step * report.reached
         slope = (report.reaction - state.reaction) / advanced if advanced else state.slope
         greatest = max(state.greatest, abs(report.reaction))
-        worth = step > tolerances.WORTH_BENDING * floor and not jumps
+        worth = step > floor and not jumps
         if state.slope is not None and slope is not None and worth:
             off = abs(slope - state.slope) * advanced
-            first = tolerances.WORTH_OF_FIRST * s.first_share * s.step
             known = max(greatest, tolerances.LEAST_REACTION)
             turns = (report.path.deviation or 0.0) > s.deviation_share
             turns = turns and off > s.deviation_bend * known and step > s.deviation_step * s.step
-            if turns or (off > s.bend_share * known and step > first):
-                state = changed(state, step=tolerances.SUPPORT_SHORTER * step)
-                return self._decided(state, accept=False)
+            if turns or off > s.bend_share * known:
+                return self._shorter(state, step)
         state = changed(
             state,
             moved=state.moved + advanced,
@@ -168,6 +166,10 @@ class SupportControl(Strategy[_State]):
                 return self._falls(state, report)
             state = changed(state, held_step=s.jump_time_step, n_held=0, travelled=0.0)
             return self._decided(state, accept=False)
+        return self._shorter(state, step)
+
+    def _shorter(self, state: _State, step: float) -> Decision[_State]:
+        """Try the step again, shorter."""
         state = changed(state, step=max(tolerances.SUPPORT_SHORTER * step, self._floor()))
         return self._decided(state, accept=False)
 
