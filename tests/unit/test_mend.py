@@ -11,9 +11,17 @@ from drystone.geometry.figure import Figure
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.space import solid
 from drystone.geometry.space.bends import fan_of
-from drystone.geometry.space.flatness import flat_pieces, triangles
+from drystone.geometry.space.flatness import flat_pieces, plane_labels, triangles
 from drystone.geometry.space.mend import DrawnSolid, mended_solids
-from drystone.geometry.space.meshes import Mesh, once, oriented, shells, stitched, welded
+from drystone.geometry.space.meshes import (
+    Mesh,
+    face_normals,
+    once,
+    oriented,
+    shells,
+    stitched,
+    welded,
+)
 from drystone.geometry.space.neighbours import meeting_faces, vertices_in_faces
 from drystone.geometry.space.planes import Incidences, fitted_planes, onto_planes
 from drystone.geometry.space.polyhedra import Polyhedra
@@ -163,6 +171,21 @@ class TestOneSolid:
             "had faces that were not flat and were cut along their bends"
         ]
         assert sorted(map(len, made.faces)) == [4] * 10
+
+    @pytest.mark.parametrize("lifted", [0.1, 0.6])
+    def test_fans_that_fold_are_not_taken(self, lifted):
+        # The top of an L, bent, begun at a corner that does not see all of it: a triangle of the
+        # fan lies outside, upside down.
+        outline = np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], float)
+        top = np.array([1.0, 1.0, 1.0, 1.0, 1.0 + lifted, 1.0 + lifted])
+        vertices = np.vstack([np.column_stack((outline, z)) for z in (np.zeros(6), top)])
+        sides = [(k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+        seen, unseen = (6, 7, 8, 9, 10, 11), (8, 9, 10, 11, 6, 7)
+        for first, cut in ((seen, "into fans"), (unseen, "along their bends")):
+            (made,), records = one(vertices, ((5, 4, 3, 2, 1, 0), *sides, first))
+            assert any(cut in r.what for r in records)
+            figure = Figure.of(made.vertices, made.faces)
+            assert 3.0 < figure.volume < 3.0 + 1.5 * lifted
 
     def test_bent_faces_that_others_lie_on_are_cut_alike(self):
         # Two layers of a shell on each other, the hexagon between them begun at either corner.
@@ -336,6 +359,21 @@ class TestPieces:
             1e-4 * np.array([-1, 1, -1, 1]),
             rel=1e-5,  # of the slope, squared
         )
+
+    def test_both_sides_of_what_is_thin_are_planes_of_their_own(self):
+        # All of its vertices are nearer to the plane of any face than the tolerance.
+        vertices = np.array([(0, 0, 0), (1, 1, 0), (1, 0, 0.01), (0, 1, 0.01)], float)
+        mesh, _ = oriented(Mesh(vertices, ((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2))))
+        label = plane_labels(mesh, 0.02)
+        up = face_normals(mesh)[:, 2] > 0.0
+        assert len(set(label)) == 2
+        assert all((label[i] == label[0]) == (up[i] == up[0]) for i in range(4))
+
+    @pytest.mark.parametrize(("wide", "meet"), [(0.005, False), (0.03, True)])
+    def test_faces_that_share_less_than_the_tolerance_do_not_meet(self, wide, meet):
+        low, high = box((0, 0, 0), (1, 1, 1)), box((1 - wide, 0, 1), (2, 1, 2))
+        found = meeting_faces([Mesh(*low), Mesh(*high)], np.array([0.01, 0.01]))
+        assert bool(found) == meet
 
     def test_flat_pieces_are_as_few_as_may_be(self):
         # A strip that is bent twice.

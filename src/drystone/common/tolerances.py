@@ -147,11 +147,6 @@ ONE_FACE = 0.5
 #: Range, from 1 to 100: 55 meshes are the same, but a tower with 1: its joints have 2e-4 less area.
 TILTED = 2.0
 
-#: Width of what two faces share, over the distance by which they may be apart, from which on they
-#: were meant to lie on each other: less is where two planes of one neighbour meet.  Range, from 0
-#: to 8: 55 meshes are the same, but one of rubble with 8: its joints have 0.3 % less area.
-WIDE = 4.0
-
 #: By how much farther than to a point vertices go so that edges run straight through it, over the
 #: distance at which points were found: a bed bends only where it was drawn bent by more than the
 #: drawing is off.  Range: from 2 on straight beds of `tests/elevations.py` have no bends, whatever
@@ -162,14 +157,6 @@ STRAIGHT_EDGE = 2.0
 #: Range: of 310 outlines, 41 are cut elsewhere where halved, none in more parts; where doubled, 83,
 #: nine of them in other numbers of parts.
 NEEDLE = math.radians(15.0)
-
-#: Cosine between the normals of triangles of a fan below which one lies on the other: 11 degrees.
-#: Range, 6 and 23 degrees: 55 meshes are the same; without it, too.
-FOLDED = -0.98
-
-#: Cosine between the normals of two adjacent faces above which they have one direction: 45 degrees.
-#: Range, from 8 to 70 degrees: 55 meshes are the same; without it, too.
-SAME_DIRECTION = 0.7
 
 #: Cosine between the normals of faces of two blocks above which they do not lie on each other: less
 #: than 154 degrees between them.  Range, from 120 to 172 degrees: 55 meshes are the same.
@@ -720,15 +707,18 @@ BALANCE_TOLERANCE = 1e-3
 PUBLISHED_TIME_STEP = 0.05
 LEAST_PUBLISHED_TIME_STEP = 1e-6
 
-#: Share by which the difference of applied and carried multiplier must shrink to count as progress;
-#: and share by which the carried multiplier falls from its highest if the structure falls.
-#: Range: 8 as published are the same.  Of the first, 0 and 0.5: no peak, steps by 0.1 %.  Of the
-#: second, 1, with which it counts never: the same.
+#: Share by which the difference of applied and carried multiplier must shrink to count as progress.
+#: Range, 0 and 0.5: of 8 as published, no peak, steps by 0.1 %.
 SHRUNK = 0.1
+
+#: Share by which the carried multiplier falls from its highest if the structure falls.  Guards long
+#: patience: without it, a structure falls on until the patience is over.  Range, up to 1, with
+#: which it counts never: 8 as published, whose patience ends before, are the same.
 FALLEN_BY = 0.1
 
-#: Motion of a step, over the displacement step, below which a structure stands still.
-#: Range: 8 as published are the same, with 0, too.
+#: Motion of a step, over the displacement step, below which a structure stands still.  Guards
+#: structures that stand under less than the stop value: with 0, the first closure of their joints,
+#: as they are loaded again, ends the curve.  Range: 8 as published are the same, with 0, too.
 GOES_ON = 0.1
 
 #: Share of the peak by which a branch may fall in a step.  Range: 6 of 8 as published are the same,
@@ -921,8 +911,8 @@ LEAST_CLOSURE = ROUNDING
 #: Derived: each 30 times the one before, and the last two again.  Range, of 7 by `nscd`: the soft
 #: one, iterations of the solid by 11 %, the others the same; the second, 300: peaks by 3e-5,
 #: iterations of one (`plateband-plane` 8) four times as many; with 30, one in space (`portal` 8)
-#: does not end where it did, and has a peak 1.5 times as high.  The stiffest, ten times less: peaks by 6e-6, iterations by 1.4 %; ten times more: a peak
-#: by 1e-3, iterations by 32 %.
+#: does not end where it did, and has a peak 1.5 times as high.  The stiffest, ten times less: peaks
+#: by 6e-6, iterations by 1.4 %; ten times more: a peak by 1e-3, iterations by 32 %.
 SOFT_PENALTY = 30.0
 STIFF_PENALTY = 1e3
 STIFFER_PENALTY = SOFT_PENALTY * STIFF_PENALTY

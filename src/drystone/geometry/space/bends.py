@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.common.arrays import Array, IntArray
-from drystone.common.tolerances import FOLDED, ROUNDING
+from drystone.common.tolerances import ROUNDING
 from drystone.geometry.space.flatness import flat_pieces, triangles
 from drystone.geometry.space.meshes import Mesh, face_normals, unevenness
 
@@ -71,14 +71,15 @@ def fan_of(face: Loop) -> tuple[Loop, ...]:
 
 
 def _is_folded(cut: Cut) -> bool:
-    """Whether triangles of a bent face have no area, or lie on the one beside them."""
+    """Whether triangles of a bent face have no area, or are turned over against the one beside
+    them, as in a fan from a corner that does not see all of a concave face."""
     for k in cut.bent:
         normals = face_normals(Mesh(cut.whole.vertices, cut.pieces[k]))
         length = np.linalg.norm(normals, axis=1)
         if length.min() <= ROUNDING * length.max():
             return True
         normals /= length[:, None]
-        if np.sum(normals[1:] * normals[:-1], axis=1).min(initial=1.0) < FOLDED:
+        if np.sum(normals[1:] * normals[:-1], axis=1).min(initial=1.0) <= 0.0:
             return True
     return False
 

@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 
 from drystone.common.arrays import Array
-from drystone.common.tolerances import SAME_DIRECTION
 from drystone.geometry.space.meshes import Mesh, edges_of, face_normals
 from drystone.geometry.space.solid import plane_axes
 
@@ -98,7 +97,8 @@ def plane_labels(mesh: Mesh, near: float) -> list[int]:
     """Number of the plane that each face lies in, where faces that meet share one.
 
     Faces join the largest one beside them as long as none of their vertices is farther than
-    ``near`` [m] off its plane, and they look the same way.
+    ``near`` [m] off its plane, and they do not look another way, as do the sides and the back of
+    a solid that is no thicker.
     """
     normals = face_normals(mesh)
     area = np.linalg.norm(normals, axis=1)
@@ -115,7 +115,7 @@ def plane_labels(mesh: Mesh, near: float) -> list[int]:
                 k = by_edge.get((b, a), seed)
                 # A sliver's own normal says nothing: it goes where its vertices are.
                 thin = area[k] < near * near
-                if label[k] >= 0 or (normals[k] @ normals[seed] < SAME_DIRECTION and not thin):
+                if label[k] >= 0 or (normals[k] @ normals[seed] <= 0.0 and not thin):
                     continue
                 off = (mesh.vertices[list(mesh.faces[k])] - middle) @ normals[seed]
                 if float(np.abs(off).max()) <= near:

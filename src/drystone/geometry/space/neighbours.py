@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.common.arrays import Array
-from drystone.common.tolerances import ALONG_PLANE, WIDE
+from drystone.common.tolerances import ALONG_PLANE
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.space.meshes import Mesh, face_normals
 from drystone.geometry.space.parts import convex_pieces
@@ -31,7 +31,8 @@ def meeting_faces(meshes: Sequence[Mesh], near: Array) -> list[tuple[int, int, i
         allowed = float(min(near[a], near[b]))
         p, q = int(joints.face_a[k]), int(joints.face_b[k])
         around = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).sum()
-        if 4.0 * joints.size[k] < WIDE * allowed * around:
+        # What is narrower is where two planes of one neighbour meet.
+        if joints.size[k] < allowed * around:
             continue
         gap = (corners - packed.discs[q, :3]) @ packed.normals[q]
         if float(np.abs(gap).max()) <= allowed:
