@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from drystone.contact.space import overlap
 from drystone.geometry.interfaces import Interfaces, corner_shares
 from drystone.geometry.plane.outlines import TOUCHING
 from drystone.geometry.space import faces, solid
@@ -170,6 +171,19 @@ def test_what_is_left_between_treated_edges():
     np.testing.assert_allclose(corners.max(axis=0), [1.9, 1.9, 0.0], atol=EXACT)
     corners, offset = joints.between_edges(solids, np.full(len(solids.rows), 0.5))
     assert offset.tolist() == [0, 0] and corners.shape == (0, 3)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-15, 1e-12, 1e-9])
+def test_sides_in_one_line_widen_an_overlap_apart(off):
+    """A corner amid the lowest side of a square, off it by a rounding: the two halves of the side
+    move out by different lengths, and their lines meet nowhere near."""
+    corner = np.zeros((1, 5, 2))
+    corner[0] = [[0, 0], [0.5, -off], [1, 0], [1, 1], [0, 1]]
+    reach = np.array([0.1, 0.3, 0.2, 0.2, 0.2])
+    at_corners = 0.2 * (0.1 + 0.3 + 0.2 + 0.2)
+    sides = 0.5 * (0.1 + 0.3) + 3 * 0.2
+    gained = overlap.widened(corner, 0, 5, reach)
+    assert gained == pytest.approx(sides + at_corners, abs=1e-8)
 
 
 def test_clipping_keeps_what_lies_on_the_line():

@@ -224,6 +224,39 @@ class TestPressed:
         assert slots.gap == pytest.approx(-depth, abs=ROUNDING)
         assert slots.size == pytest.approx(0.2, abs=ROUNDING)
 
+    @staticmethod
+    def flush(end, depth, radius=0.0):
+        """Two equal blocks, one end in line and pressed by ``depth`` [m], core from core.
+
+        The upper one is tilted so that each corner lies beyond the other edge's end by a hair.
+        """
+        unit, tilt = rectangle(-0.2, -0.1, 0.4, 0.2), 1e-3 * end * np.sign(depth)
+        assembly = pair_of(unit, unit + (0.0, 0.2), radius=radius)
+        corner = np.array([(0.2 - radius) * end, 0.1 - radius])
+        arm = corner * (1.0, -1.0)
+        c, s = np.cos(tilt), np.sin(tilt)
+        turned_arm = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
+        pose = np.zeros((2, 3))
+        pose[1, :2] = corner + (0.5 * depth * tilt, -depth) - turned_arm - (0.0, 0.2)
+        pose[1, 2] = tilt
+        return contacts_of(assembly, pose)[2]
+
+    @pytest.mark.parametrize("end", [-1.0, 1.0])
+    @pytest.mark.parametrize("depth", [3e-4, -3e-4])
+    def test_flush_ends_that_neither_edge_covers_keep_their_point(self, end, depth):
+        slots = self.flush(end, depth)
+        assert np.all(slots.kind != NONE)
+        assert np.abs(slots.gap + depth).min() < 1e-3 * abs(depth)
+
+    @pytest.mark.parametrize("end", [-1.0, 1.0])
+    @pytest.mark.parametrize("share", [1e-6, 0.05])
+    def test_cores_that_have_passed_each_other_keep_their_direction(self, end, share):
+        """Corners rounded by half of what their joint closes by."""
+        slots = self.flush(end, share * 1e-4, radius=1e-4)
+        assert np.all(slots.kind != NONE)
+        assert np.abs(slots.gap + 2e-4).min() < 2e-4 * share
+        np.testing.assert_allclose(slots.normal, [(0.0, 1.0)] * 2, atol=1.1e-3)
+
 
 def configurations(radius, n=40, pressed=True):
     """Pairs of blocks that press on each other or just touch, in every kind of contact there is.

@@ -236,13 +236,17 @@ MARGIN_SHARE = 0.25
 #: from 37 to 53 degrees.  Range: peaks of 27 in the plane by 7.5e-6, iterations by 1.3 %.
 PASSAGE = 0.2
 
-#: Sharp corners nearer than this share of their edges' lengths count as one.
-#: Range, from 0 to 0.1: 27 in the plane and 16 rounded are the same.
+#: Sharp corners nearer than this share of their edges' lengths count as one.  Guards joints that
+#: end flush, tilted by a little: within the tilt times the gap, neither corner lies within the
+#: other's edge, and a bond or a reaction there would be lost.  Range, from 0 to 0.1: 27 in the plane
+#: and 16 rounded are the same.
 SAME_CORNER = 1e-3
 
-#: Distance of rounded vertices, or rims, over the sum of their radii, below which the direction
-#: from one to the other is not used.  Range, from 0 to 0.2: 27 in the plane and 16 rounded are the
-#: same.
+#: Distance of the cores of rounded vertices, or rims, over the sum of their radii, below which the
+#: direction from one to the other is not used.  Guards cores that coincide or have passed each
+#: other, as those of corners rounded by less than their joint closes by: they have no direction, or
+#: the opposite one, and slips would be enlarged without limit.  Range, from 0 to 0.2: 27 in the
+#: plane and 16 rounded are the same.
 DEEP = 0.1
 
 #: Distance, over the size of the parts, by which edges must separate them more than faces do.
@@ -255,10 +259,6 @@ EDGES_MARGIN = 1e-2
 #: no peak moves; iterations by 37 % where halved, all of one with bonds.  With 0, the peak of a
 #: rounded flat arch is less than half.
 EDGE_FLAT = 0.05
-
-#: Cosine between the incident and the reference face below which the former is seen edge on.
-#: Range, from 0 to 0.1: 33 in space are the same; 16 rounded with 0, too.
-EDGE_ON = 0.05
 
 #: Faces are kept as long as the separation by other faces is larger by no more than this share of
 #: the parts' size, or their cosine is better by no more than this.  Range: 32 of 33 in space, peaks
@@ -296,13 +296,11 @@ SIDE_SLOPE = 1e-3
 #: ends 1e-4 m sooner, in 17 % fewer steps.
 MERGED_AGAIN = 0.5
 
-#: Sine of the angle of a corner of an overlap above which the corner adds to the area that treated
-#: edges take off.  Range, from 0 to 0.01: 16 rounded are the same, and no peak of 33 in space
-#: moves.
-TURNS = 1e-3
-
-#: Sine of the angle between two edges below which they are parallel and make no contact by
-#: themselves.  Range, from 0 to 0.01: 33 in space and 16 rounded are the same.
+#: Sine of the angle between two edges below which they are parallel: edges of two blocks then make
+#: no contact by themselves, and sides of an overlap do not meet.  Guards edges that are parallel
+#: but for rounding, as most of masonry are: they have no common normal, no point where they are
+#: nearest, and none where they meet.  Range, from 0 to 0.01: 33 in space and 16 rounded are the
+#: same, or their peaks.
 PARALLEL = 1e-3
 
 #: Distance of nearest points of two edges from their common normal, over the length of the edge, up

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import CLIP, EDGE_FLAT, EDGE_ON, LEAST_AREA, MERGE, SUMS
+from drystone.common.tolerances import CLIP, EDGE_FLAT, LEAST_AREA, MERGE, SUMS
 from drystone.contact.contacts import (
     EDGE_A,
     EDGE_B,
@@ -276,16 +276,13 @@ def face_points(scene, scratch, face_p, face_q, p_is_a, pair, n_most, which, val
     half, count, area, cx, cy = _overlap(scene, scratch, (face_p, face_q), p_is_a, m, n, near)
     if count == 0:
         return begin, np.inf
-    cosine = 0.0
-    for c in range(3):
-        cosine -= normal[face_p, c] * normal[face_q, c]
     if area > 0.0:
         for i in range(count):
             j = name[half, i, LEAVES]
             at = ring[face_q] + (m - 2 - j) % m if j < m else ring[face_p] + j - m
             weight[i] = scene.setback[at]
         area += widened(polygon, half, count, weight)
-    n_points = n_spread(count, n_most if cosine > EDGE_ON and area > 0.0 else 4, end - begin)
+    n_points = n_spread(count, n_most if area > 0.0 else 4, end - begin)
     spread(polygon, name, half, count, cx, cy, n_points, point, scratch.mark, weight)
     least = LEAST_AREA * min(extent[face_p, 0], extent[face_q, 0])
     scale(point, n_points, cx, cy, max(area, least), weight)

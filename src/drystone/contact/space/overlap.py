@@ -33,7 +33,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.common.compiled import njit
-from drystone.common.tolerances import MERGED_AGAIN, ROUNDING, SIDE_SLOPE, SUMS, TURNS
+from drystone.common.tolerances import MERGED_AGAIN, PARALLEL, ROUNDING, SIDE_SLOPE, SUMS
 
 #: Types of corners and points: a vertex of the incident face, a vertex of the reference face, a
 #: crossing of two sides, a point on a side of the overlap, a point within (also the centroid).
@@ -83,8 +83,8 @@ def measure(corner, half, n):
 def widened(corner, half, n, reach):
     """Area [m2] that a polygon of n corners gains if its sides move out by ``reach`` (n,) [m].
 
-    A corner moves to where its two sides then meet.  If they are nearly parallel, the corner moves
-    no farther than the sides.
+    A corner moves to where its two sides then meet.  If they are nearly parallel, they would meet far
+    away, and the corner moves no farther than the sides.
     """
     gained = 0.0
     for i in range(n):
@@ -100,7 +100,7 @@ def widened(corner, half, n, reach):
         u, v = np.sqrt(ux * ux + uy * uy), np.sqrt(vx * vx + vy * vy)
         gained += v * reach[i]
         sine, cosine = ux * vy - uy * vx, ux * vx + uy * vy
-        if sine > TURNS * u * v:
+        if sine > PARALLEL * u * v:
             # The area of the kite between the old corner, its feet on both sides, and the new one.
             s, t = reach[before], reach[i]
             gained += s * t * u * v / sine - 0.5 * (s * s + t * t) * cosine / sine
