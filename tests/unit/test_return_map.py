@@ -295,6 +295,29 @@ def test_joints_that_soften_have_the_map_of_their_strengths_where_a_step_ends(ki
     assert {STICKING, FORWARD} < seen
 
 
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("share", [1.0, 1.5, 1e3])
+def test_joints_whose_friction_falls_faster_than_their_shear_snap_back(whole, share):
+    """Pressed so that friction falls by ``share`` of what the slip releases, and sheared beyond
+    friction: they slide as far as their residual friction lets them."""
+    law, pressure, rate = np.zeros((1, N_LAW)), 10.0, 0.1
+    law[0, [KN, KS, MU, LEAST_MU, CRUSHES, YIELDS]] = 1.0, 1.0, 0.6, 0.4, np.inf, 1.0
+    rate = share / ((law[0, MU] - law[0, LEAST_MU]) * pressure)
+    if whole:  # its cohesion counts for next to nothing
+        law[0, [COHESIVE, BY_SLIP, SOFTENS]] = 1e-9, rate, 1.0
+    else:
+        law[0, PER_SLIP] = rate
+    contact, point = np.zeros((1, softening.N_CONTACT)), np.zeros((1, softening.N_POINT))
+    contact[0, [softening.C_WHOLE, softening.C_GAP, softening.C_SHEAR]] = whole, -pressure, 6.5
+    softening.points(law, np.zeros(1, np.int64), contact, point)
+    at = point[0]
+    assert np.isfinite(at).all()
+    slid = at[softening.P_SOFTENED] / rate if whole else at[softening.P_SLID]
+    mu = 0.4 + 0.2 * np.exp(-rate * slid)
+    assert at[softening.P_SHEAR] == pytest.approx(mu * pressure, rel=1e-6)
+    assert at[softening.P_SHEAR] == pytest.approx(6.5 - slid, rel=1e-6)
+
+
 @pytest.mark.parametrize("kind", YIELDING)
 def test_joints_that_yield_have_the_map_of_the_last_cycles_strengths(kind):
     for law, history, gap, shear in yielding_draws(kind, np.random.default_rng(4)):

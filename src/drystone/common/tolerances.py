@@ -238,8 +238,8 @@ PASSAGE = 0.2
 
 #: Sharp corners nearer than this share of their edges' lengths count as one.  Guards joints that
 #: end flush, tilted by a little: within the tilt times the gap, neither corner lies within the
-#: other's edge, and a bond or a reaction there would be lost.  Range, from 0 to 0.1: 27 in the plane
-#: and 16 rounded are the same.
+#: other's edge, and a bond or a reaction there would be lost.  Range, from 0 to 0.1: 27 in the
+#: plane and 16 rounded are the same.
 SAME_CORNER = 1e-3
 
 #: Distance of the cores of rounded vertices, or rims, over the sum of their radii, below which the
@@ -354,8 +354,9 @@ BUILT_SHUT = ROUNDING
 #: Derived: the remaining strength, e^-20 or two billionths, is less than the tolerance of balance.
 FULLY_SOFTENED = 20.0
 
-#: Least slope of the equation of softening of a bond: it would be smaller if a joint snaps back.
-#: Range, from 0 to 0.01: 11 with mortar are the same.
+#: Least slope of the equation of softening of a bond, and of falling friction.  Guards joints that
+#: snap back: under a high pressure, friction falls by more than the shear that the slip releases,
+#: and the slope would be zero or less.  Range, from 0 to 0.01: 11 with mortar are the same.
 LEAST_SLOPE = 1e-3
 
 #: Largest closure, over the greatest one, at which a tangent is taken; beyond it the joint counts

@@ -47,7 +47,11 @@ N_POINT = 10
 @njit(cache=True, error_model="numpy")
 def _pressed(law, crushed, y):
     """Pressure [Pa] of a contact that is closed, its derivative by the gap [Pa/m], and its closure
-    by crushing [m]."""
+    by crushing [m].
+
+    The strength falls less steeply than the stiffness rises, as `model.construction.joint_checks`
+    asks.
+    """
     kn, strength, rate = law[KN], law[CRUSHES], law[BY_CRUSHING]
     p = -kn * y
     at = crushed
@@ -56,13 +60,13 @@ def _pressed(law, crushed, y):
     for _ in range(60):  # Newton's method, which converges from below
         carried = strength * np.exp(-min(rate * at, FULLY_SOFTENED))
         slope = rate * carried if rate * at < FULLY_SOFTENED else 0.0
-        more = (-kn * (y + at - crushed) - carried) / max(kn - slope, LEAST_SLOPE * kn)
+        more = (-kn * (y + at - crushed) - carried) / (kn - slope)
         at += more
         if abs(more) <= LAST_DIGIT * (abs(y) + at):
             break
     carried = strength * np.exp(-min(rate * at, FULLY_SOFTENED))
     slope = rate * carried if rate * at < FULLY_SOFTENED else 0.0
-    return carried, slope * kn / max(kn - slope, LEAST_SLOPE * kn), at
+    return carried, slope * kn / (kn - slope), at
 
 
 @njit(cache=True, error_model="numpy")

@@ -83,8 +83,8 @@ def measure(corner, half, n):
 def widened(corner, half, n, reach):
     """Area [m2] that a polygon of n corners gains if its sides move out by ``reach`` (n,) [m].
 
-    A corner moves to where its two sides then meet.  If they are nearly parallel, they would meet far
-    away, and the corner moves no farther than the sides.
+    A corner moves to where its two sides then meet.  If they are nearly parallel, they would meet
+    far away, and the corner moves no farther than the sides.
     """
     gained = 0.0
     for i in range(n):
