@@ -379,7 +379,7 @@ def test_the_dead_load_locks_no_friction_in(seed, end):
     """Put on at once, the dead load overshot: joints slipped, and the peaks were +1.2, -1.7 % off.
 
     Under a load that grows slowly they do not, which is what `equilibrium` finds; 0.5 % is what a
-    step may hide of a peak, `overshoot_share`.
+    step may hide of a peak, `OVERSHOOT_SHARE`.
     """
     ours, other = (
         pushover(structure(seed), engine=engine, max_displacement=end).peak.load_multiplier
@@ -392,7 +392,7 @@ def test_the_dead_load_locks_no_friction_in(seed, end):
 def test_a_peak_that_is_passed_within_a_step_is_found(seed, end):
     """The multipliers at both ends of the step said nothing of it: 1.7 and 1.1 % were missed.
 
-    By `overshoot_share` a step may hide 0.5 % of it.
+    By `OVERSHOOT_SHARE` a step may hide 0.5 % of it.
     """
     ours, other = (
         pushover(structure(seed), engine=engine, max_displacement=end).peak.load_multiplier

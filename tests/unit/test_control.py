@@ -948,12 +948,12 @@ class TestWhatAStepHides:
         structure = Driven(prescribes=True, static=lambda d: PEAK * np.interp(d, at, multiplier))
         curve = trace(structure, "displacement")
         assert curve.status == "finished"
-        assert curve.peak.load_multiplier == pytest.approx(PEAK, rel=5e-3)  # `overshoot_share`
+        assert curve.peak.load_multiplier == pytest.approx(PEAK, rel=5e-3)  # `OVERSHOOT_SHARE`
         assert len(structure.demands) <= 1.5 * len(curve.points)
 
     def test_an_engine_whose_way_is_rough_takes_smaller_steps(self):
         """What inertia adds on the way fades with the step: by ten per cent of the peak in a whole
-        one, 2 % of the peak (`drive_share`) are left in a fifth of it."""
+        one, 2 % of the peak (`DRIVE_SHARE`) are left in a fifth of it."""
 
         class Rough(SlidingStructure):
             def step(self, state, demand):
@@ -969,7 +969,7 @@ class TestWhatAStepHides:
     @pytest.mark.parametrize("deviation, bend", [(0.5, 3e-4), (0.5, 3e-5), (0.05, 3e-4)])
     def test_a_step_in_which_blocks_change_their_way_is_short(self, deviation, bend):
         """Of one that leaves its way by a tenth or less, or bends the curve by less than 1e-4 of
-        the peak, little is to be had (`deviation_share`, `deviation_bend`); the shortest has 0.06
+        the peak, little is to be had (`DEVIATION_SHARE`, `DEVIATION_BEND`); the shortest has 0.06
         of the largest."""
         place = 0.1537
 

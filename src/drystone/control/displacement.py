@@ -60,42 +60,14 @@ class DisplacementSettings(StepSettings):
 
     first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
     floor_share: float = tolerances.FLOOR_SHARE  # smallest increment over the largest
-    creep_share: float = tolerances.CREEP_SHARE  # first increment of a jump over the largest
     # Smallest increment to a peak or a bend, over the largest increment; and the largest relative
     # distance of the last point from the stop value.
     refined_share: float = tolerances.REFINED_SHARE
-    # Largest height of a peak that a step may hide, over the peak.
-    peak_share: float = tolerances.PEAK_SHARE
-    # Largest overshoot, over the peak, of a step whose overshoot exceeds the peak.
-    overshoot_share: float = tolerances.OVERSHOOT_SHARE
-    # Largest overshoot, over the peak, of any other step.
-    drive_share: float = tolerances.DRIVE_SHARE
     bend_share: float = tolerances.BEND_SHARE  # largest bend of the curve in a step, over the peak
-    # Largest deviation of a block from the predictor, over the farthest motion.  It counts only if
-    # the curve bends by more than `deviation_bend` of the peak, and if the step is longer than
-    # `deviation_step` of the largest.
-    deviation_share: float = tolerances.DEVIATION_SHARE
-    deviation_bend: float = tolerances.DEVIATION_BEND
-    deviation_step: float = tolerances.DEVIATION_STEP
-    # Increment, over the largest, up to which steps may use the full search.
-    full_search_share: float = tolerances.FULL_SEARCH_SHARE
-    # Change of the multiplier at a fold, over the peak, up to which a step may pass over the fold.
-    snap_share: float = tolerances.SNAP_SHARE
     time_step: float = tolerances.JUMP_TIME_STEP  # s, of the first step of a jump
-    # Motion of a block, over the increment, above which a step is a jump.
-    snap_motion: float = tolerances.SNAP_MOTION
-    # Motion of a block in a step of a jump, over the `motion_length`, up to which time steps grow;
-    # and over the largest increment, up to which a step may go in which no motion is expected.
-    jump_motion: float = tolerances.JUMP_MOTION
-    # Motion of a block in a step of a jump, over the motion that the last acceleration would give,
-    # above which the step is tried again.
-    farther: float = tolerances.FARTHER
     grow_iterations: int = 12  # iterations of a step up to which increments grow
     grown_after: int = 3  # steps after a failure until increments grow again
     retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
-    # Inertia below which a step is static again: over the applied force, and, of the fastest block,
-    # over its weight.
-    static_inertia: float = tolerances.STATIC_INERTIA
     # Motion of a block, over the `motion_length`, after which the structure has collapsed.  It
     # counts in the parts of a jump in which the load holds the control point back.
     fall_motion: float = tolerances.FALL_MOTION
@@ -168,7 +140,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         # In a jump the control point creeps with an acceleration that does not depend on the step.
         s = self.settings
         share = min((state.time_step / s.time_step) ** 2, tolerances.MOST_CREEP)
-        creep = s.creep_share * s.displacement_step * share
+        creep = tolerances.CREEP_SHARE * s.displacement_step * share
         return Demand(increment=creep, time_step=state.time_step)
 
     def _within(self, state: DisplacementState) -> float:
@@ -189,7 +161,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         not either: if it fails, the motion is followed.
         """
         s = self.settings
-        small = state.increment <= s.full_search_share * s.displacement_step
+        small = state.increment <= tolerances.FULL_SEARCH_SHARE * s.displacement_step
         return small and state.stage != CROSSING
 
     def decide(
@@ -286,7 +258,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         back = report.control_displacement <= state.loaded_from
         if not report.converged or report.dynamic or not (near or back):
             less = 0.5 * state.load_increment
-            if less < s.peak_share * self._scale(state):
+            if less < tolerances.PEAK_SHARE * self._scale(state):
                 state = self._in_motion(changed(state, load_increment=0.0))
             else:
                 state = changed(state, load_increment=less)
@@ -343,7 +315,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return self._nearer(state, report, scale, least)
         excess, share = report.path.excess
         highest = max(state.last, multiplier) + excess > state.highest
-        hidden = excess > s.peak_share * scale and highest
+        hidden = excess > tolerances.PEAK_SHARE * scale and highest
         finest = min(least, s.refined_share * state.closing)  # with stiff joints a peak comes early
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
@@ -377,10 +349,10 @@ class DisplacementControl(Strategy[DisplacementState]):
         s = self.settings
         if report.path.deviation is None or report.path.bend is None:
             return None
-        least = s.deviation_step * s.displacement_step
+        least = tolerances.DEVIATION_STEP * s.displacement_step
         if (
-            report.path.deviation <= s.deviation_share
-            or report.path.bend[0] <= s.deviation_bend * scale
+            report.path.deviation <= tolerances.DEVIATION_SHARE
+            or report.path.bend[0] <= tolerances.DEVIATION_BEND * scale
         ):
             return None
         if state.increment <= least:
@@ -402,11 +374,12 @@ class DisplacementControl(Strategy[DisplacementState]):
                 return finer
             # The overshoot is a mean over parts of the step, and shows no peak sharper than a part.
             unseen = ahead / OVERSHOOT_PARTS if state.last == state.highest else 0.0
-            seen = unseen <= s.overshoot_share * scale
+            seen = unseen <= tolerances.OVERSHOOT_SHARE * scale
             if (
                 multiplier < state.last
                 and seen
-                and report.path.overshoot <= tolerances.NO_OVERSHOOT * s.overshoot_share * scale
+                and report.path.overshoot
+                <= tolerances.NO_OVERSHOOT * tolerances.OVERSHOOT_SHARE * scale
             ):
                 return None  # there was no peak within the step
         if state.last != state.highest or ahead <= 0.0:
@@ -415,7 +388,10 @@ class DisplacementControl(Strategy[DisplacementState]):
         hidden = ahead - rise
         if hidden > s.bend_share * scale:
             least = finest
-        elif multiplier >= state.last or hidden <= tolerances.HIDES_NOTHING * s.peak_share * scale:
+        elif (
+            multiplier >= state.last
+            or hidden <= tolerances.HIDES_NOTHING * tolerances.PEAK_SHARE * scale
+        ):
             return None
         if rise > tolerances.KINK * ahead or state.increment <= least:
             return None
@@ -432,10 +408,10 @@ class DisplacementControl(Strategy[DisplacementState]):
         s = self.settings
         overshoot, multiplier = report.path.overshoot or 0.0, report.static_multiplier
         above = max(state.last, multiplier) + overshoot - max(state.highest, multiplier)
-        if above > s.overshoot_share * scale:
-            most, least = s.overshoot_share * scale, finest
+        if above > tolerances.OVERSHOOT_SHARE * scale:
+            most, least = tolerances.OVERSHOOT_SHARE * scale, finest
         else:
-            most, least = s.drive_share * scale, s.floor_share * s.displacement_step
+            most, least = tolerances.DRIVE_SHARE * scale, s.floor_share * s.displacement_step
         if overshoot <= most or state.increment <= least:
             return None
         return max(min(max(most / overshoot, 0.25), 0.5) * state.increment, least)
@@ -443,7 +419,7 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _is_jump(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether blocks have moved too far for the increment, so that there are no equilibria on
         their way."""
-        return report.motion > self.settings.snap_motion * state.increment
+        return report.motion > tolerances.SNAP_MOTION * state.increment
 
     def _thrown_back(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether the step is a jump to an equilibrium behind the start of the load.
@@ -456,7 +432,6 @@ class DisplacementControl(Strategy[DisplacementState]):
 
     def _snaps(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether a step has passed over a fold with a jump that the curve should show."""
-        s = self.settings
         if state.time_step:
             return False
         if self._is_jump(state, report) and self._would_end(state, report):
@@ -473,7 +448,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             if share > tolerances.FOLD_KNOWN:
                 expected = state.last + (multiplier - state.last) / share
             drop = expected - report.static_multiplier
-        return abs(drop) > s.snap_share * self._scale(state)
+        return abs(drop) > tolerances.SNAP_SHARE * self._scale(state)
 
     def _strays(self, state: DisplacementState, report: StepReport) -> bool:
         """Whether a step of a jump leads much farther than the blocks were moving.
@@ -483,8 +458,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         expect a motion from, a step is as long as one of the curve.
         """
         s = self.settings
-        expected = s.farther * state.acceleration * state.time_step**2
-        far = max(s.jump_motion * s.displacement_step, expected)
+        expected = tolerances.FARTHER * state.acceleration * state.time_step**2
+        far = max(tolerances.JUMP_MOTION * s.displacement_step, expected)
         return state.time_step > 0.0 and report.motion > far
 
     def _falls_freely(self, state: DisplacementState, report: StepReport) -> bool:
@@ -539,7 +514,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             # The step has followed the collapse itself: there is no jump left to follow.
             return self._lost(state, report, report.reason)
         elif state.stage == CROSSING and self._load_grows_on(state):
-            load = max(s.peak_share * self._scale(state), state.next_load)
+            load = max(tolerances.PEAK_SHARE * self._scale(state), state.next_load)
             state = changed(state, load_increment=load, loaded_from=state.highest_at)
         elif state.stage == CROSSING:
             state = self._in_motion(state)
@@ -615,9 +590,9 @@ class DisplacementControl(Strategy[DisplacementState]):
         if report.path.overshoot is None:
             return 2.0
         overshoot = report.path.overshoot / self._scale(state)
-        if overshoot <= tolerances.SMALL_OVERSHOOT * s.overshoot_share:
+        if overshoot <= tolerances.SMALL_OVERSHOOT * tolerances.OVERSHOOT_SHARE:
             return 3.0
-        return 2.0 if overshoot <= 0.5 * s.overshoot_share else 1.0
+        return 2.0 if overshoot <= 0.5 * tolerances.OVERSHOOT_SHARE else 1.0
 
     def _jumping(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
@@ -631,7 +606,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
         if longer >= state.too_long and n_since < s.retried_after:
             return changed(state, n_since=n_since)
-        if report.motion < s.jump_motion * s.motion_length:
+        if report.motion < tolerances.JUMP_MOTION * s.motion_length:
             return changed(state, time_step=longer, n_since=n_since)
         return state
 
@@ -649,14 +624,15 @@ class DisplacementControl(Strategy[DisplacementState]):
         at the beginning of a jump.  If a jump seemed to be over and was not, the next look comes
         only after a longer time: time steps grow as long as nothing moves by itself.
         """
-        s = self.settings
         if not state.time_step:
             return not report.dynamic
         if state.jump_time < tolerances.LATER * state.rested_at:
             return False
         inertia = max(report.inertia_ratio, report.acceleration)
         before = state.acceleration * state.time_step**2
-        return inertia < s.static_inertia and report.motion <= tolerances.NO_FASTER * before
+        return (
+            inertia < tolerances.STATIC_INERTIA and report.motion <= tolerances.NO_FASTER * before
+        )
 
     def _over(self, state: DisplacementState, report: StepReport) -> End | None:
         """The end of the curve, or None if it goes on."""

@@ -30,9 +30,6 @@ class SupportSettings:
     scale: float = 1.0  # m, motion of a block per rad if supports rotate
     first_share: float = tolerances.FIRST_SHARE  # first step over the largest
     floor_share: float = tolerances.SUPPORT_FLOOR  # smallest step over the largest
-    # A step is a jump if a block moves by more than this factor farther than the supports, and
-    # than in proportion to the last step.
-    jump_ratio: float = tolerances.JUMP_RATIO
     most_jumps: int = 10  # smallest steps with a jump in a row after which the structure falls
     # Inertia over the weight above which a point is passed in motion.
     inertia: float = tolerances.STATIC_INERTIA
@@ -40,14 +37,6 @@ class SupportSettings:
     # s, first time step with the supports held; 0 for engines that cannot follow such a motion
     jump_time_step: float = 0.0
     jump_steps: int = 5000  # steps with the supports held after which the motion is given up
-    # Largest deviation of the reaction from its last slope in a step, over the largest reaction.
-    bend_share: float = tolerances.SUPPORT_BEND
-    # Largest deviation of a block from the course of the last step, over the farthest motion.  It
-    # counts only if the reaction deviates by more than `deviation_bend` of the largest reaction,
-    # and if the step is longer than `deviation_step` of the largest step.
-    deviation_share: float = tolerances.DEVIATION_SHARE
-    deviation_bend: float = tolerances.DEVIATION_BEND
-    deviation_step: float = tolerances.DEVIATION_STEP
     time_step: float = 0.0  # s, for engines of dynamic formulations; 0 for others
     grow_iterations: int = 12  # iterations of a step up to which steps grow
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
@@ -98,7 +87,7 @@ class SupportControl(Strategy[_State]):
             return self._held(state, demand, report)
         s, step, floor = self.settings, demand.settlement or 0.0, self._floor()
         usual = max(state.motion_ratio, s.scale)
-        jumps = report.converged and report.motion > s.jump_ratio * usual * step
+        jumps = report.converged and report.motion > tolerances.JUMP_RATIO * usual * step
         may_jump = step <= floor and state.jumps < s.most_jumps
         if not report.converged or report.unstable or (jumps and not may_jump):
             return self._again(state, report, step)
@@ -109,9 +98,12 @@ class SupportControl(Strategy[_State]):
         if state.slope is not None and slope is not None and worth:
             off = abs(slope - state.slope) * advanced
             known = max(greatest, tolerances.LEAST_REACTION)
-            turns = (report.path.deviation or 0.0) > s.deviation_share
-            turns = turns and off > s.deviation_bend * known and step > s.deviation_step * s.step
-            if turns or off > s.bend_share * known:
+            turns = (
+                (report.path.deviation or 0.0) > tolerances.DEVIATION_SHARE
+                and off > tolerances.DEVIATION_BEND * known
+                and step > tolerances.DEVIATION_STEP * s.step
+            )
+            if turns or off > tolerances.SUPPORT_BEND * known:
                 return self._shorter(state, step)
         state = changed(
             state,
