@@ -281,12 +281,12 @@ def test_what_rocks_on_corners_falls_to_a_side(slab):
 def test_a_step_that_leaves_no_unstable_equilibrium_ends_in_it(monkeypatch):
     """Wherever the search for a stable one beside it has ended, and with which contacts."""
 
-    def lost(solver, settings):
+    def lost(solver):
         solver.step.update_contacts()
         solver.step.restart(solver.step.x + 0.01, 2.0)
 
     curves = []
-    for leave in (lambda solver, settings: None, lost):
+    for leave in (lambda solver: None, lost):
         monkeypatch.setattr(solution, "_leave", leave)
         curves.append(certified(on_its_diagonal(45.0, "equilibrium", slab=False)))
     unstable = [curve.column("unstable") for curve in curves]

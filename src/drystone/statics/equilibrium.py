@@ -62,6 +62,7 @@ from drystone.statics.equations import (
     first_history,
     sinking,
 )
+from drystone.statics.interior import FEW_ITERATIONS
 from drystone.statics.plane.plane_step import PlaneStep
 from drystone.statics.solution import SolutionSettings, StepStart
 from drystone.statics.space.space_step import SpaceStep
@@ -196,8 +197,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
     def preferred_steps(self, assembly: Assembly) -> PreferredSteps:
         """A step should turn a mechanism by about 1 in 500, whatever its height.
 
-        Steps grow after a step that took at most `InteriorSettings.few_iterations`.  A step that
-        takes more would fail without a full search, and a longer one more so.
+        Steps grow after a step that took at most `interior.FEW_ITERATIONS`.  A step that takes more
+        would fail without a full search, and a longer one more so.
         """
         size = assembly.smallest_extent
         height = float(np.ptp(assembly.centroid[~assembly.fixed] @ assembly.up)) + size
@@ -205,8 +206,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             max(height * tolerances.STEP_OF_HEIGHT, tolerances.LEAST_STEP * size),
             tolerances.MOST_STEP * size,
         )
-        grow_iterations = self.settings.solution.interior.few_iterations
-        return PreferredSteps(displacement_step=step, grow_iterations=grow_iterations)
+        return PreferredSteps(displacement_step=step, grow_iterations=FEW_ITERATIONS)
 
     def derived(self, problem: Problem) -> tuple[Prepared]:
         return (Prepared.of(problem, self),)
@@ -501,7 +501,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             once,
             expect,
             increment,
-            self.settings.solution.stability,
             may_snap=increment is None or demand.over_fold or demand.time_step > 0.0,
         )
 

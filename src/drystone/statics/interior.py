@@ -17,7 +17,6 @@ of the curve predicts, or not at all, Newton's method alone leads from one equil
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,38 +27,13 @@ from drystone.geometry.motion import rotations, translations
 from drystone.law import cones
 from drystone.statics.static_step import StaticStep
 
+#: Largest number of iterations in a full search; the same if a shorter step may be tried instead;
+#: iterations within which the energy must halve.
+MAX_ITERATIONS, FEW_ITERATIONS, PATIENCE = 120, 60, 40
 
-@dataclass(frozen=True, kw_only=True)
-class InteriorSettings:
-    """Settings of the interior-point method; its other constants are in `common.tolerances`.
-
-    Energies are those of one contact, over the energy that the weight of a mean block stores in a
-    contact.  Forces are over the weight of a mean block.
-    """
-
-    #: First barrier; and the least first barrier, over the square of the unbalanced force at the
-    #: start.  With less, contacts that are far from their final state would make the steps of the
-    #: iterations very short.
-    barrier: float = tolerances.FIRST_BARRIER
-    unbalanced: float = tolerances.BY_UNBALANCED
-    #: Largest number of iterations in a full search; the same if a shorter step may be tried
-    #: instead; iterations within which the energy must halve.
-    max_iterations: int = 120
-    few_iterations: int = 60
-    patience: int = 40
-    #: Energy below which the branches of contacts can be told.
-    enough: float = tolerances.TELLS
-    #: Iterations between two trials of Newton's method; its largest number of iterations in such a
-    #: trial; the same at the start of a step.
-    newton_every: int = 16
-    newton_iterations: int = 6
-    warm_iterations: int = 12
-    #: Damping [1/s2], times the mass, if there are unstable directions.
-    damping: float = tolerances.DAMPING
-    #: Damping [1/s2] above which a part of the structure counts as unsupported.  A shorter step is
-    #: then tried, if that is allowed.
-    lost: float = tolerances.LOST_SUPPORT
-
+#: Iterations between two trials of Newton's method; its largest number of iterations in such a
+#: trial; the same at the start of a step.
+NEWTON_EVERY, NEWTON_ITERATIONS, WARM_ITERATIONS = 16, 6, 12
 
 #: Iterations in a row without progress after which contacts are centred anew; and how often they
 #: are.
@@ -75,8 +49,8 @@ class InteriorPoint:
     """Finds where a step of one `StaticStep` ends.  All its variables are those of the step, but
     for the count of iterations."""
 
-    def __init__(self, step: StaticStep, settings: InteriorSettings) -> None:
-        self.step, self.settings = step, settings
+    def __init__(self, step: StaticStep) -> None:
+        self.step = step
         dead = np.linalg.norm(translations(step.loads.dead)[~step.loads.fixed], axis=1)
         self.block_weight = float(dead.mean())
         self.iterations = 0
@@ -133,7 +107,7 @@ class InteriorPoint:
 
     def newton_from_start(self) -> bool:
         """Newton's method at the start of a step; whether that ends in an equilibrium."""
-        most = self.settings.warm_iterations
+        most = WARM_ITERATIONS
         return self.newton(most, patience=WARM_PATIENCE, gain=tolerances.WARM_GAIN)
 
     def _newton_step(self) -> bool:
@@ -169,15 +143,15 @@ class InteriorPoint:
         least_damping
             [1/s2], see `StaticStep.factorise`.
         """
-        step, settings = self.step, self.settings
+        step = self.step
         n = step.n
         joint, inner = step.table[:n], step.inner[:n]
         free = joint[:, INTACT] == 0.0
         if not free.any():
-            return self.newton(settings.warm_iterations)
+            return self.newton(WARM_ITERATIONS)
         unit = self.block_weight**2 / float(joint[free, STIFF_N].mean())  # J
         step.damping[:] = 0.0
-        self._centre(settings.barrier, unit)
+        self._centre(tolerances.FIRST_BARRIER, unit)
         again, least, since, stalled, recentred = 0, math.inf, 0, 0, 0
         for k in range(1, iterations + 1):
             energy = cones.scale(joint, inner, step.scaling[:n])
@@ -186,10 +160,10 @@ class InteriorPoint:
                 return False
             if energy <= 0.5 * least:
                 least, since = energy, k
-            elif k - since > settings.patience:
+            elif k - since > PATIENCE:
                 return False
-            told = energy <= settings.enough * unit
-            due = k % settings.newton_every == 0 or (told and k >= again)
+            told = energy <= tolerances.TELLS * unit
+            due = k % NEWTON_EVERY == 0 or (told and k >= again)
             if (
                 due
                 and residual <= tolerances.NEWTON_RESIDUAL * self.block_weight
@@ -198,7 +172,7 @@ class InteriorPoint:
                 return True
             again = k + AGAIN if due and told else again
             damped = float(step.damping.max())
-            if soon and (damped >= settings.lost or (told and damped > 0.0)):
+            if soon and (damped >= tolerances.LOST_SUPPORT or (told and damped > 0.0)):
                 return False
             if stalled >= STALLED:
                 if recentred == RECENTRED:
@@ -217,10 +191,10 @@ class InteriorPoint:
     def _centre(self, barrier: float, unit: float) -> None:
         """Centre the contacts where the step is, with a ``barrier`` in units of the energy ``unit``
         [J], or more if much is unbalanced."""
-        step, settings, n = self.step, self.settings, self.step.n
+        step, n = self.step, self.step.n
         step.respond()
         unbalanced = step.balance(step.reaction) / self.block_weight
-        most = min(settings.unbalanced * unbalanced**2, tolerances.MOST_BARRIER)
+        most = min(tolerances.BY_UNBALANCED * unbalanced**2, tolerances.MOST_BARRIER)
         barrier = max(barrier, most) * unit
         cones.centre_contacts(step.table[:n], barrier, True, step.trial[:n], step.inner[:n])
 
@@ -232,9 +206,8 @@ class InteriorPoint:
         """
         step = self.step
         x, multiplier, damping = step.x.copy(), step.multiplier, step.damping.copy()
-        s = self.settings
-        patience = s.newton_iterations if told else NEWTON_PATIENCE
-        if self.newton(s.newton_iterations, patience=patience, gain=tolerances.NEWTON_GAIN):
+        patience = NEWTON_ITERATIONS if told else NEWTON_PATIENCE
+        if self.newton(NEWTON_ITERATIONS, patience=patience, gain=tolerances.NEWTON_GAIN):
             return True
         step.restart(x, multiplier)
         step.damping[:] = damping
@@ -247,7 +220,7 @@ class InteriorPoint:
         ``energy`` [J] is that of one contact.  Returns the length of the corrector that was taken,
         at most 1, or NaN if there is none.
         """
-        step, settings, n = self.step, self.settings, self.step.n
+        step, n = self.step, self.step.n
         joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
         cones.responses(step.scaling[:n], step.response[:n])
         self.iterations += 1
@@ -256,7 +229,7 @@ class InteriorPoint:
         missing = step.missing
         by_multiplier = self._direction(0.0, missing, second=False)
         if step.prescribed is not None and not step.stable:
-            step.damping[:] = np.maximum(tolerances.MORE_DAMPING * step.damping, settings.damping)
+            step.damping[:] = np.maximum(tolerances.MORE_DAMPING * step.damping, tolerances.DAMPING)
             return 1.0 if step.damping[0] < tolerances.MOST_DAMPING else math.nan
         ahead = tolerances.PREDICTOR_RADIUS * energy
         far = self._length(ahead, ahead)

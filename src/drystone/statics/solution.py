@@ -17,15 +17,12 @@ from drystone.common.arrays import Array
 from drystone.engines.base import TOO_FAR, Fold
 from drystone.law.branches import BONDED
 from drystone.statics.equations import TOO_STIFF
-from drystone.statics.interior import (
-    InteriorPoint,
-    InteriorSettings,
-)
+from drystone.statics.interior import FEW_ITERATIONS, MAX_ITERATIONS, InteriorPoint
 from drystone.statics.plane import piecewise
 from drystone.statics.plane.piecewise import PathSettings
 from drystone.statics.plane.plane_step import PlaneStep
 from drystone.statics.shape import shape_between
-from drystone.statics.stability import Judged, StabilitySettings, growing, judge
+from drystone.statics.stability import Judged, growing, judge
 from drystone.statics.static_step import StaticStep, StepSolution
 
 #: Distances from an unstable equilibrium at which a stable one is looked for, over the smallest
@@ -33,16 +30,16 @@ from drystone.statics.static_step import StaticStep, StepSolution
 DEPARTURES = np.geomspace(tolerances.LEAST_DEPARTURE, tolerances.MOST_DEPARTURE, 7)
 
 
+#: Times that the contacts of a step are updated and the step is solved again.
+CONTACT_UPDATES = 3
+
+
 @dataclass(frozen=True, kw_only=True)
 class SolutionSettings:
     """How steps are solved."""
 
-    #: Times that the contacts of a step are updated and the step is solved again.
-    contact_updates: int = 3
     #: How long linear pieces are followed, which exist in the plane only; None: they are not.
     path: PathSettings | None = field(default_factory=PathSettings)
-    interior: InteriorSettings = field(default_factory=InteriorSettings)
-    stability: StabilitySettings = field(default_factory=StabilitySettings)
 
 
 class _Solver(InteriorPoint):
@@ -57,12 +54,12 @@ class _Solver(InteriorPoint):
         ``follows`` a curve has one attempt of the interior-point method, as has a step with a
         prescribed displacement.  Without a ``full_search`` the attempt is the only one, and short.
         """
-        step, s = self.step, self.settings
+        step = self.step
         if warm:
             step.restart(guess, multiplier)
             if self.newton_from_start():
                 return True
-        most = s.max_iterations if full_search else s.few_iterations
+        most = MAX_ITERATIONS if full_search else FEW_ITERATIONS
         step.restart(guess, multiplier)
         if self.interior(most, soon=not full_search):
             return True
@@ -71,11 +68,11 @@ class _Solver(InteriorPoint):
         step.restart(guess, multiplier)
         return self.interior(most, least_damping=tolerances.LEAST_DAMPING)
 
-    def update_contacts(self, most: int) -> bool:
-        """Solve again, at most ``most`` times, while blocks press each other at contacts that were
-        not followed; whether an equilibrium is found."""
+    def update_contacts(self) -> bool:
+        """Solve again, at most `CONTACT_UPDATES` times, while blocks press each other at contacts
+        that were not followed; whether an equilibrium is found."""
         step = self.step
-        for _ in range(most):
+        for _ in range(CONTACT_UPDATES):
             x, multiplier = step.x.copy(), step.multiplier
             if not step.update_contacts():
                 return True
@@ -94,7 +91,7 @@ def _due(times: int) -> bool:
     return times & (times - 1) == 0
 
 
-def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
+def _leave(solver: _Solver) -> Judged | None:
     """Find a stable equilibrium beside the unstable one that the step is at.
 
     It is looked for on both sides, along the growing mode.  Returns None if there is none; the
@@ -106,7 +103,7 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
     equilibrium, the one that carries less is taken.
     """
     step = solver.step
-    way, x, multiplier = growing(step, settings.stability), step.x.copy(), step.multiplier
+    way, x, multiplier = growing(step), step.x.copy(), step.multiplier
     if way is None:
         return None
     backwards = step.prescribed is not None and step.prescribed.increment < 0.0
@@ -116,7 +113,7 @@ def _leave(solver: _Solver, settings: SolutionSettings) -> Judged | None:
         start = x + length * way
         if not solver.find(start, multiplier, warm=True, full_search=False, follows=True):
             return None
-        found = _updated(solver, settings, follows=True)
+        found = _updated(solver, follows=True)
         return found if found and found.stable else None
 
     for length in DEPARTURES * step.loaded.prepared.assembly.smallest_extent:
@@ -186,7 +183,7 @@ def solve(
         followed = _follow(step, start, settings.path, whole=whole, full_search=full_search)
         if followed.solution is not None:
             return followed.solution
-    solved, found = _by_iterations(step, start, followed, settings, dynamic=dynamic)
+    solved, found = _by_iterations(step, start, followed, dynamic=dynamic)
     if found or solved.reason == TOO_STIFF or followed.at_last is None:
         return solved
     step.again()
@@ -221,7 +218,6 @@ def _by_iterations(
     step: StaticStep,
     start: StepStart,
     followed: _Followed,
-    settings: SolutionSettings,
     *,
     dynamic: bool,
 ) -> tuple[StepSolution, bool]:
@@ -230,7 +226,7 @@ def _by_iterations(
     Returns the solution, and whether there is an equilibrium.
     """
     prescribed, driven = step.prescribed, step.detector.farthest(step.given)
-    solver, slope = _Solver(step, settings.interior), start.slope
+    solver, slope = _Solver(step), start.slope
     follows = (prescribed is not None or driven > 0.0) and not dynamic  # a curve of equilibria
     if follows and prescribed is not None and not math.isfinite(slope):
         slope = _slope_at_start(step, start.multiplier)
@@ -244,13 +240,13 @@ def _by_iterations(
     if along is not None:
         # If many contacts change their branch in each step, this nearly always fails.
         if _due(in_vain):
-            found = _along_curve(solver, guess, along, start.multiplier, settings)
+            found = _along_curve(solver, guess, along, start.multiplier)
         in_vain = 0 if found and found.stable else in_vain + 1
     if found and not found.stable and leaves:
-        found, leaves = _leave(solver, settings), False
+        found, leaves = _leave(solver), False
     if not (found and found.stable):
         found = _from_within(
-            solver, guess, start, settings,
+            solver, guess, start,
             full_search=followed.full_search, follows=follows, leaves=leaves,
         )  # fmt: skip
     begun = replace(start, slope=slope, along=along, in_vain=in_vain)
@@ -292,19 +288,16 @@ def _reported(
     )
 
 
-def _along_curve(
-    solver: _Solver, guess: Array, along: Array, multiplier: float, settings: SolutionSettings
-) -> Judged | None:
+def _along_curve(solver: _Solver, guess: Array, along: Array, multiplier: float) -> Judged | None:
     """Find an equilibrium by Newton's method along the curve; None if it finds none."""
     there = solver.newton_along(guess, along, multiplier)
-    return _updated(solver, settings, follows=True) if there else None
+    return _updated(solver, follows=True) if there else None
 
 
 def _from_within(
     solver: _Solver,
     guess: Array,
     start: StepStart,
-    settings: SolutionSettings,
     *,
     full_search: bool,
     follows: bool,
@@ -321,22 +314,22 @@ def _from_within(
         there = solver.find(
             guess, start.multiplier, warm=start.repeats, full_search=full_search, follows=follows
         )
-        return _updated(solver, settings, follows=follows) if there else None
+        return _updated(solver, follows=follows) if there else None
 
     found = reach()
     if found and not found.stable and leaves:
-        found = _leave(solver, settings) or reach()
+        found = _leave(solver) or reach()
     return found
 
 
-def _updated(solver: _Solver, settings: SolutionSettings, *, follows: bool) -> Judged | None:
+def _updated(solver: _Solver, *, follows: bool) -> Judged | None:
     """Update the contacts of an equilibrium, and solve it again with them; None if that fails.
 
     Its stability is judged if the step ``follows`` a curve; otherwise it counts as stable.
     """
-    if not solver.update_contacts(settings.contact_updates):
+    if not solver.update_contacts():
         return None
-    return judge(solver.step, settings.stability) if follows else Judged(stable=True)
+    return judge(solver.step) if follows else Judged(stable=True)
 
 
 def deviation(step: StaticStep, increment: Array, predicted: Array) -> float | None:

@@ -7,7 +7,6 @@ odd.  An even number shows in the Rayleigh quotients of the lowest modes, which 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,23 +17,12 @@ from drystone.linear import numeric as lu_numeric
 from drystone.statics.balance import solve_bordered
 from drystone.statics.static_step import StaticStep
 
-
-@dataclass(frozen=True, kw_only=True)
-class StabilitySettings:
-    """Numbers of the search for the lowest modes."""
-
-    #: Number of modes that are looked for; the most that are looked for if only neutral ones are
-    #: found; number of inverse iterations.
-    modes: int = 4
-    most_modes: int = 32
-    iterations: int = 4
-    #: Growth [1/s2] below which a mode counts as neutral, for instance a joint that slides as a
-    #: whole.  For comparison: gravity over the smallest block's size is 56/s2 in the structure's
-    #: own frame.
-    neutral: float = tolerances.NEUTRAL
+#: Number of modes that are looked for; the most that are looked for if only neutral ones are found;
+#: number of inverse iterations.
+MODES, MOST_MODES, ITERATIONS = 4, 32, 4
 
 
-def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | None:
+def _lowest(step: StaticStep) -> tuple[Array, Array] | None:
     """A basis (k, n, n_dof) of the lowest modes at the equilibrium whose stiffness is factorised,
     and the inverse of the stiffness in this basis, (k, k) [s2]; None if the stiffness is singular.
 
@@ -45,26 +33,26 @@ def _lowest(step: StaticStep, s: StabilitySettings) -> tuple[Array, Array] | Non
     # There are no more modes than motions: further vectors would be rounding.
     motions = int(np.count_nonzero(~step.loads.fixed)) * step.loads.mass.shape[1]
     motions -= step.prescribed is not None
-    most = min(s.most_modes, motions)
-    n = min(s.modes, most)
+    most = min(MOST_MODES, motions)
+    n = min(MODES, most)
     while True:
-        found = _inverse_iterated(step, s, n)
+        found = _inverse_iterated(step, n)
         if found is None or n == most:
             return found
         ritz = np.abs(np.linalg.eigvals(found[1]))
-        if not (ritz * s.neutral > 1.0).all():
+        if not (ritz * tolerances.NEUTRAL > 1.0).all():
             return found
         n = min(2 * n, most)
 
 
-def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[Array, Array] | None:
+def _inverse_iterated(step: StaticStep, n: int) -> tuple[Array, Array] | None:
     """The same with a basis of ``n`` fields, by inverse iteration; see `_lowest`."""
     bordered, mass = step.bordered, step.loads.mass
     rng = np.random.default_rng(1)
     free = ~step.loads.fixed[:, None]
     x = np.where(free, rng.normal(size=(n, *mass.shape)), 0.0)
     y = x
-    for _ in range(s.iterations):
+    for _ in range(ITERATIONS):
         x = _orthonormal(y, mass)
         y = mass * x
         lu_numeric.solve(step.structure, step.factors, y)
@@ -76,14 +64,14 @@ def _inverse_iterated(step: StaticStep, s: StabilitySettings, n: int) -> tuple[A
     return y, (x * mass).reshape(n, -1) @ y.reshape(n, -1).T
 
 
-def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
+def quotients(step: StaticStep) -> Array | None:
     """Rayleigh quotients (k,) [1/s2] of the lowest real modes, see `_lowest`; None if the stiffness
     is singular.
 
     Complex pairs are left out.  Such a mode moves to and fro, but a joint that slides has another
     stiffness on the way back than the one that was linearised.
     """
-    found = _lowest(step, s)
+    found = _lowest(step)
     if found is None:
         return None
     ritz = np.linalg.eigvals(found[1])
@@ -91,10 +79,10 @@ def quotients(step: StaticStep, s: StabilitySettings) -> Array | None:
         return np.asarray(1.0 / ritz.real[ritz.imag == 0.0])
 
 
-def growing(step: StaticStep, s: StabilitySettings) -> Array | None:
+def growing(step: StaticStep) -> Array | None:
     """The real mode (n, n_dof) that grows fastest, scaled to a farthest motion of 1 m; None if no
     mode grows."""
-    found = _lowest(step, s)
+    found = _lowest(step)
     if found is None:
         return None
     ritz, shares = np.linalg.eig(found[1])
@@ -107,13 +95,13 @@ def growing(step: StaticStep, s: StabilitySettings) -> Array | None:
     return mode / step.detector.farthest(mode)
 
 
-def grows(step: StaticStep, s: StabilitySettings) -> bool:
+def grows(step: StaticStep) -> bool:
     """Whether one of the lowest modes grows, or the stiffness is singular.
 
     The stiffness must have been factorised, and a direction solved for with it.
     """
-    found = quotients(step, s)
-    return found is None or bool((found < -s.neutral).any())
+    found = quotients(step)
+    return found is None or bool((found < -tolerances.NEUTRAL).any())
 
 
 class Judged(NamedTuple):
@@ -124,20 +112,20 @@ class Judged(NamedTuple):
     tangent: Array | None = None  # (n, n_dof) per m of the prescribed displacement
 
 
-def judge(step: StaticStep, s: StabilitySettings) -> Judged:
+def judge(step: StaticStep) -> Judged:
     """Judge the equilibrium at which the equations were last evaluated."""
     step.respond()
     slope = step.slope()
     if slope is None:
         return Judged(stable=False)
     tangent = step.bordered.columns[0].copy() if step.prescribed is not None else None
-    found = quotients(step, s)
+    found = quotients(step)
     if found is None:
         found = np.zeros(0)
     # The determinant tells whether the number of unstable modes is odd.  If the modes found say
     # otherwise, one more mode grows, which is none of the lowest.
     odd = np.count_nonzero(found < 0.0) % 2 == 1
-    stable = not (found < -s.neutral).any() and step.stable != odd
+    stable = not (found < -tolerances.NEUTRAL).any() and step.stable != odd
     return Judged(stable, math.nan if tangent is None else slope, tangent)
 
 

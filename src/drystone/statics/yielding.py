@@ -29,7 +29,7 @@ from drystone.law import softening
 from drystone.law.branches import ACROSS, OPEN, TORN, TORN_STICKING
 from drystone.law.strengths import Reached, difference
 from drystone.statics.shape import bend_of_cubic, excess_of_cubic
-from drystone.statics.stability import StabilitySettings, grows
+from drystone.statics.stability import grows
 from drystone.statics.static_step import StaticStep, StepSolution
 
 #: Solutions of a step before it counts as failed: if joints may fail within it; and if a shorter
@@ -66,7 +66,6 @@ def solve(
     once: Once,
     begin: Callable[[Array, Array], None],
     increment: float | None,
-    stability: StabilitySettings,
     *,
     may_snap: bool,
 ) -> StepSolution:
@@ -119,7 +118,7 @@ def solve(
         if strengths.smooth:
             if not going:
                 begin(current, fresh)
-            found = _converge(step, come, tolerances.LEFT * tolerance, stability)
+            found = _converge(step, come, tolerances.LEFT * tolerance)
         if found:
             slope, near = found.slope, step.x.copy()
             current = strengths.current(law, come.before, found.reached)
@@ -203,9 +202,7 @@ def _stood(
     )
 
 
-def _converge(
-    step: StaticStep, come: _Come, enough: float, stability: StabilitySettings
-) -> _Converged | None:
+def _converge(step: StaticStep, come: _Come, enough: float) -> _Converged | None:
     """Newton's method with strengths that depend on the motion, from where the step is.
 
     Returns None if it leads to no stable equilibrium.  ``come`` is the state of softening where it
@@ -237,7 +234,7 @@ def _converge(
     else:
         return None
     slope, tangent = step.slope(), step.bordered.columns[0].copy()
-    if slope is None or not (step.stable and np.isfinite(slope)) or grows(step, stability):
+    if slope is None or not (step.stable and np.isfinite(slope)) or grows(step):
         return None
     reached = Reached(*(a.copy() for a in come.reached))
     for own, column in (
