@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from drystone.assessment.bilinear import Bilinear
-from drystone.assessment.capacity import Capacity, participation
+from drystone.assessment.capacity import Capacity, Change, participation
 from drystone.assessment.checks import atc40, fema440
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import (
@@ -237,6 +237,71 @@ def test_a_tie_that_breaks_ends_the_slv():
     # less than half of 0.3, and as much in ten times the way
     for other in (tied(0.14), tied(0.12, width=0.01)):
         assert assess(other, site(), local()).state("SLV").limit_displacement == pytest.approx(0.12)
+
+
+def tied(place=0.02, lost=True, **values):
+    """A wall of 0.1 (1 - d/0.4) with a tie that adds 0.2 until it breaks, or from where it yields
+    on."""
+    what = f'at {place:g} m: the tie "rod" ' + ("breaks" if lost else "yields")
+    d = np.array([0.0, place, place * (1 + 1e-9), 0.4])
+    x = 0.1 * (1 - d / 0.4) + ([0.2, 0.2, 0.0, 0.0] if lost else [0.0, 0.2, 0.2, 0.2])
+    part = participation([4000.0], [0.5])
+    given = {"collapse_displacement": 0.4, "changes": [Change(place, what, lost)], **values}
+    return Capacity.of(d, x, part, reading="base_shear", **given)
+
+
+@pytest.mark.parametrize("method", ["ntc2009-local", "ntc2018-local", "en1998-3-2025-rocking"])
+def test_no_line_goes_over_a_tie_that_breaks(method):
+    """Beyond it the curve is that of the wall without the tie; the line from the strength with it
+    to that wall's collapse is of no structure."""
+    state = {"ntc2009-local": "SLV", "ntc2018-local": "SLC"}.get(method, "NC")
+    free = rocking_wall(ratio=1.0)
+
+    def found(capacity, **more):
+        settings = Settings.of(**{"method": method, **FULL[method], **more})
+        return assess(capacity, site(), settings).state(state)
+
+    alone = found(free, straight_capacity=False)
+    assert found(tied(lost=True)).limit_period == pytest.approx(alone.limit_period, rel=1e-6)
+    for lost, what in ((True, "breaks"), (False, "yields")):
+        with pytest.raises(AssessmentError, match=f"forces that stay constant.*{what}.*leave out"):
+            found(tied(lost=lost), straight_capacity=True)
+    assert found(free, straight_capacity=True).limit_period > 0.0  # where nothing changes it is one
+    beyond = tied(collapse_displacement=0.019)  # nor does what happens after the collapse count
+    assert found(beyond, straight_capacity=True).limit_period > 0.0
+
+
+def test_2009_says_that_the_curve_takes_the_place_of_its_line():
+    asked = local(method="ntc2009-local")
+    told = [note for note in assess(tied(), site(), asked).assumptions if "takes the place" in note]
+    assert len(told) == 1
+    assert 'the tie "rod" breaks' in told[0]
+    assert 'il tirante "rod"' not in told[0].in_language("it")  # the event is as it was given
+    assert "prende il posto" in told[0].in_language("it")
+
+
+@pytest.mark.parametrize("method", ["ntc2009-local", "ntc2018-local"])
+def test_q_does_not_stand_for_displacements_without_the_tie(method):
+    asked = local(method=method, kinematics="linear")
+    assert "q = 2 stands for displacements" in assess(tied(), site(), asked).sentence
+    for kept in (tied(lost=False), rocking_wall()):
+        assert assess(kept, site(), asked).caution == ""
+
+
+def test_acceptance_displacements_of_asce41_end_where_a_tie_breaks():
+    d, x = [0.0, 0.01, 0.03, 0.0300001, 0.4], [0.0, 0.4, 0.39, 0.1, 0.0]
+    asked = {**FULL["asce41"], "displacement_limits": {"LS": 0.02, "CP": 0.05}}
+    broken = Capacity.of(
+        d,
+        x,
+        participation([1000.0], [1.0]),
+        reading="base_shear",
+        changes=[Change(0.03, 'the tie "rod" breaks', True)],
+    )
+    found = assess(broken, site(0.05), Settings.of(method="asce41", **asked))
+    assert found.state("LS").limit_control_displacement == pytest.approx(0.02)
+    assert found.state("CP").limit_control_displacement == pytest.approx(0.03)
+    assert any("of CP" in note and 'the tie "rod" breaks' in note for note in found.assumptions)
 
 
 def test_activation_holds_a_mechanism_that_displacements_would_not():

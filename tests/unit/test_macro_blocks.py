@@ -28,6 +28,7 @@ from drystone.assessment.mechanism.field import VelocityField, chord
 from drystone.assessment.mechanism.orientation import share_out_of_plane
 from drystone.assessment.mechanism.overturning import stands_on_its_axis
 from drystone.geometry.motion import across
+from drystone.results.events import Event, EventKind
 from rigid_walls import HEIGHT, WIDTH, curve_of, evenly, point_at, turning, wall_in_courses
 from solids import box, joint, model_of
 
@@ -261,6 +262,30 @@ def test_readings_side_by_side():
 
 
 class TestEnvelope:
+    def test_a_drop_at_one_displacement_keeps_what_was_borne_before(self):
+        """As where a tie breaks: the point before it and the one after it are at one place."""
+        rows = [(0.0, 0.0), (0.01, 0.6), (0.05, 0.5), (0.05, 0.1), (0.06, 0.09)]
+        found = static_envelope(curve_of([point_at(k, *row) for k, row in enumerate(rows)]))
+        assert found.load_multiplier.tolist() == [0.0, 0.6, 0.5, 0.1, 0.09]
+        assert np.diff(found.control_displacement).min() == pytest.approx(6e-11, rel=1e-3)
+        assert found.control_displacement[-2] == 0.05
+
+    def test_no_line_is_extended_over_a_tie_that_breaks(self):
+        """The last branch is that of the structure without it, however short."""
+        rows = [(0.0, 0.0), (0.01, 0.6), (0.0998, 0.5), (0.1, 0.05), (0.101, 0.0495)]
+        points = [point_at(k, *row) for k, row in enumerate(rows)]
+        broken = Event(
+            kind=EventKind.TIE_BROKEN,
+            step=2,
+            control_displacement=0.0998,
+            load_multiplier=0.5,
+            ties=("rod",),
+        )
+        found = static_envelope(replace(curve_of(points), events=(broken,)))
+        assert found.collapse_displacement == pytest.approx(0.2)
+        short = static_envelope(replace(curve_of(points[:-1]), events=(broken,)))
+        assert short.collapse_displacement is None
+
     def test_dynamic_points_are_dropped(self):
         rows = [(0.0, 0.0), (0.1, 0.5), (0.2, 9.0), (0.3, 0.2), (0.4, 0.01)]
         points = [

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone.assessment.capacity import Capacity, participation
+from drystone.assessment.capacity import Capacity, Change, participation
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.methods import Settings, assess
 from drystone.assessment.methods.rocking import pulse_facts
@@ -316,6 +316,28 @@ def test_method_counts_a_fall_as_failure():
     assert found.satisfied is False and found.state("SLV").displacement_demand is None
     assert "beyond the collapse" in found.sentence
     assert found.quantities["records"][0]["overturned"] is True
+
+
+def test_no_motion_to_and_fro_over_a_tie_that_breaks():
+    """A record that moves the mechanism less far counts; one that goes farther is refused, unless
+    it overturns what is held better than the structure is."""
+    chosen = Settings.of(method="rocking", records=(shaken(1, 1.5),), restitution=0.9, sides="two")
+    free = assess(straight(), {}, chosen)
+    went = free.state("SLV").control_displacement_demand
+    what = 'at 0.1 m: the tie "rod" breaks'
+
+    def tied(place, capacity=None):
+        changes = (Change(place, what, True),)
+        return replace(straight() if capacity is None else capacity, changes=changes)
+
+    assert assess(tied(1.1 * went), {}, chosen).safety_index == free.safety_index
+    with pytest.raises(AssessmentError, match=r"the way back is on another curve.*breaks"):
+        assess(tied(0.9 * went), {}, chosen)
+    with pytest.raises(AssessmentError, match=r"pulses.*forces that stay constant.*breaks"):
+        pulses = (Pulse(kind="half_sine", amplitude=3.0, duration=0.4),)
+        assess(tied(0.1), {}, replace(chosen, pulses=pulses))
+    falls = replace(chosen, records=(shaken(1, 40.0),))
+    assert assess(tied(0.001, straight(0.1, 0.02)), {}, falls).satisfied is False
 
 
 def test_what_the_method_needs():

@@ -162,6 +162,55 @@ def test_a_wall_that_leans_on_another_is_activated_where_it_begins_to_rock():
     assert "from which it falls by more than a fifth" in told
 
 
+def held_wall(breaking, strength=4e3):
+    """4 m x 0.5 m, held at 3.5 m by a rod of a few millimetres that breaks; None: without it."""
+    rod = ds.Tie(
+        start=ds.TieEnd(block="wall", point=np.array([-0.25, 3.5])),
+        end=ds.TieEnd(point=np.array([-3.0, 3.5])),
+        stiffness=1e6,
+        yield_force=strength,
+        breaking_elongation=breaking,
+        compression=False,
+        name="rod",
+    )
+    ground = [(-1.0, -0.2), (1.0, -0.2), (1.0, 0.0), (-1.0, 0.0)]
+    wall = [(-0.25, 0.0), (0.25, 0.0), (0.25, 4.0), (-0.25, 4.0)]
+    return ds.make_model(
+        [
+            ds.Block(id="base", vertices=np.array(ground), unit_weight=18e3, support=True),
+            ds.Block(id="wall", vertices=np.array(wall), unit_weight=18e3),
+        ],
+        joint=ds.JointLaw(friction_coefficient=0.7, normal_stiffness=1e10, shear_stiffness=1e10),
+        thickness=1.0,
+        load_direction=(1.0, 0.0),
+        ties=[] if breaking is None else [rod],
+    )
+
+
+@pytest.mark.parametrize("strength", [4e3, 1e5])  # it yields first, or does not
+def test_beyond_a_tie_that_breaks_the_wall_is_that_without_it(strength):
+    """By 2009 the SLV is read off the curve at 0.16 and 0.4 of the collapse displacement, where the
+    rod has broken; by 2018 the SLV ends where it breaks, the SLC is that of the free wall."""
+    model, free = held_wall(0.02, strength), held_wall(None)
+    curve, alone = ds.pushover(model), ds.pushover(free)
+    place = next(e.control_displacement for e in curve.events if e.kind == "tie_broken")
+    asked = {"site": SITE, "confidence_factor": 1.35}
+    old = {"method": "ntc2009-local", **asked}
+    found = curve.assess(model, **old).state("SLV")
+    expected = alone.assess(free, straight_capacity=False, **old).state("SLV")
+    assert found.limit_period == pytest.approx(expected.limit_period, rel=1e-3)
+    assert found.safety_index == pytest.approx(expected.safety_index, rel=1e-3)
+    new = {"method": "ntc2018-local", **asked}
+    states = curve.assess(model, **new)
+    assert states.state("SLV").limit_control_displacement == pytest.approx(place, rel=1e-7)
+    assert "sudden loss" in states.state("SLV").details["limit_set_by"]
+    late, late_alone = states.state("SLC"), alone.assess(free, **new).state("SLC")
+    for key in ("limit_period", "displacement_demand", "limit_displacement"):
+        assert getattr(late, key) == pytest.approx(getattr(late_alone, key), rel=1e-3), key
+    with pytest.raises(AssessmentError, match=r'pulses.*the tie "rod"'):
+        curve.assess(model, method="rocking", **METHODS["rocking"])
+
+
 def test_a_mass_on_a_block_participates_where_it_lies():
     """20 kN of wall, and 80 kN at a tenth of its height: 1/Gamma = (20 + 80 x 0.2)/(2 x 100)."""
     ground = [(-2.0, -0.5), (6.0, -0.5), (6.0, 0.0), (-2.0, 0.0)]

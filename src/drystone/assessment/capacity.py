@@ -34,6 +34,15 @@ def slides(friction: float | None) -> bool:
     return friction is not None and friction > SLIDES
 
 
+class Change(NamedTuple):
+    """An event after which other forces act or other blocks bear: a tie yields or breaks, a part
+    falls."""
+
+    place: float  # m, control displacement
+    what: str  # where it happened, and what
+    lost: bool  # whether something is lost; a tie that yields still pulls
+
+
 class Participation(NamedTuple):
     """What the masses of a mechanism and its shape amount to, see `participation`."""
 
@@ -99,6 +108,8 @@ class Capacity:
     """Control displacement [m] and what happens there, of every event of the curve: a tie yields or
     breaks, a support bears nothing any more, the structure moves by itself, a part falls.  None: of
     a curve without events, as one from elsewhere."""
+    changes: tuple[Change, ...] = ()
+    """Of these events, those after which other forces act or other blocks bear."""
     out_of_plane: float | None = None
     """Share of the mechanism's momentum that is of walls out of their plane, see
     `drystone.assessment.mechanism.orientation`.  None: not known."""
@@ -157,6 +168,7 @@ class Capacity:
         collapse_extrapolated: bool = False,
         notes: Sequence[str] = (),
         losses: Sequence[tuple[float, str]] | None = None,
+        changes: Sequence[Change] = (),
         out_of_plane: float | None = None,
         friction: float | None = None,
         by_mass: bool = True,
@@ -187,6 +199,7 @@ class Capacity:
             notes=tuple(notes),
             kinetic_factor=part.kinetic_factor,
             losses=None if losses is None else tuple(losses),
+            changes=tuple(changes),
             out_of_plane=out_of_plane,
             friction=friction,
             by_mass=by_mass,
@@ -301,6 +314,22 @@ class Capacity:
     def losses_before(self, control_displacement: float) -> tuple[str, ...]:
         """What happens on the way to a control displacement [m], a clause each."""
         return tuple(what for place, what in self.losses or () if place < control_displacement)
+
+    @property
+    def first_change(self) -> Change | None:
+        """The first event before the collapse after which other forces act or other blocks bear."""
+        return min(self._changes, key=lambda change: change.place, default=None)
+
+    @property
+    def first_loss(self) -> Change | None:
+        """The first event before the collapse in which a tie breaks or a part falls."""
+        lost = (change for change in self._changes if change.lost)
+        return min(lost, key=lambda change: change.place, default=None)
+
+    @property
+    def _changes(self) -> tuple[Change, ...]:
+        end = np.inf if self.collapse_displacement is None else self.collapse_displacement
+        return tuple(change for change in self.changes if change.place < end)
 
     def control_at(self, spectral_displacement: float) -> float:
         """The control displacement [m] of d* [m]."""

@@ -44,6 +44,9 @@ class Outcome(StrEnum):
 #: Events in which a part of the structure collapses: they limit its capacity.
 COLLAPSES = (EventKind.BLOCK_FALLEN, EventKind.BLOCK_DISPLACED)
 
+#: Events after which other forces or other blocks make the curve.
+CHANGES = (*COLLAPSES, EventKind.TIE_YIELDED, EventKind.TIE_BROKEN)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
@@ -64,6 +67,12 @@ class Event:
     def is_collapse(self) -> bool:
         """Whether blocks fall or move by themselves by more than the share asked."""
         return self.kind in COLLAPSES
+
+    @property
+    def changes(self) -> bool:
+        """Whether other forces act afterwards, or other blocks bear: a tie yields or breaks, a part
+        collapses."""
+        return self.kind in CHANGES
 
     def limits(self, may_fall: Collection[str] = ()) -> bool:
         """Whether the event ends the capacity of a structure that may lose the blocks named."""

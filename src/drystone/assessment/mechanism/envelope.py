@@ -9,9 +9,9 @@ import numpy as np
 from drystone.assessment.errors import UnfinishedError
 from drystone.common.arrays import Array
 from drystone.common.language import say
-from drystone.common.tolerances import STOP_SHARE
+from drystone.common.tolerances import ROUNDING, STOP_SHARE
 from drystone.results.curve import STATIC, CapacityCurve
-from drystone.results.events import first_collapse
+from drystone.results.events import EventKind, first_collapse
 
 #: Share of the last displacement over which the slope of that branch is taken.
 TAIL = 0.02
@@ -33,7 +33,9 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
     """The least that is borne at rest at each displacement.
 
     Points on the way of a jump are dropped; the points at rest before and after it are joined by a
-    straight line.  Where the control point turns back, the lower of its branches counts.
+    straight line.  Where the control point turns back, the lower of its branches counts.  Where it
+    stands still while strength is lost, as where a tie breaks, the curve drops there: what is borne
+    just before is part of it.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
     dropped = len(curve.points) - len(static)
     if dropped > (curve.ended_by is not None):
         notes.append(say("mechanism.dropped", n=dropped))
-    grown, least, back = _lower(d, x)
+    grown, least, back = _lower(_apart(d, x), x)
     if back:
         notes.append(say("mechanism.turns_back"))
     end, extrapolated, note = _collapse(curve, d, x)
@@ -61,6 +63,18 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
         notes=tuple(notes),
         collapse_note=note,
     )
+
+
+def _apart(d: Array, x: Array) -> Array:
+    """The displacements of a path; where strength is lost at one displacement, the point before is
+    nearer by rounding, so that the drop has an upper and a lower end."""
+    least = ROUNDING * float(np.abs(d).max())
+    drops = 1 + np.flatnonzero((np.abs(np.diff(d)) < least) & (np.diff(x) < 0.0))
+    drops = drops[drops >= 2]
+    drops = drops[d[drops - 1] - d[drops - 2] > 2.0 * least]
+    apart = d.copy()
+    apart[drops - 1] -= least
+    return apart
 
 
 def _lower(d: Array, x: Array) -> tuple[Array, Array, bool]:
@@ -100,6 +114,9 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
         return float(d[-1]), False, say("mechanism.falls_where", what=event.what, **there)
     if top == len(x) - 1 or x[-1] > STOP_SHARE * x[top]:
         return None, False, ""
+    top = max(top, _last_change(curve))
+    if top >= len(x) - 1:
+        return None, False, ""
     before = top + int(np.argmax(d[top:] >= (1.0 - TAIL) * d[-1]))
     before = min(before, len(d) - 2)
     slope = (x[-1] - x[before]) / (d[-1] - d[before]) if d[-1] > d[before] else 0.0
@@ -110,3 +127,14 @@ def _collapse(curve: CapacityCurve, d: Array, x: Array) -> tuple[float | None, b
     end = float(d[-1] - x[-1] / slope)
     known = {"multiplier": float(x[-1]), "place": float(d[-1])}
     return end, True, say("mechanism.extrapolated", end=end, **known)
+
+
+def _last_change(curve: CapacityCurve) -> int:
+    """The first of the points at rest from which on the same forces act and the same blocks bear:
+    no line goes on over what changes them.  A tie yields from a point on, other events come after
+    one."""
+    steps = [p.step for p in curve.points if p.status == STATIC]
+    changes = [event for event in curve.events if event.changes]
+    last = max((event.step for event in changes), default=-1)
+    after = any(e.step == last and e.kind is not EventKind.TIE_YIELDED for e in changes)
+    return int(np.searchsorted(steps, last, side="right" if after else "left"))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assessment.capacity import READINGS, Capacity, slides
+from drystone.assessment.capacity import READINGS, Capacity, Change, slides
 from drystone.assessment.errors import AssessmentError
 from drystone.assessment.mechanism.envelope import Envelope, static_envelope
 from drystone.assessment.mechanism.orientation import share_out_of_plane
@@ -29,7 +29,8 @@ from drystone.model.loading.base import masses_of
 from drystone.model.loading.dead_forces import DeadForces
 from drystone.model.loading.mass import MassPattern
 from drystone.model.model import Model
-from drystone.results.curve import FINISHED, CapacityCurve
+from drystone.results.curve import FINISHED, CapacityCurve, CurvePoint
+from drystone.results.events import EventKind
 
 #: What counts as a rigid body: macro-blocks, as codes mean it, or every block for itself.
 GROUPINGS = ("macro_blocks", "blocks")
@@ -112,10 +113,8 @@ def reduced(
     friction = share_of_friction(curve, model)
     if not slides(friction):  # else it falls off what bears it
         envelope = _known_collapse(envelope, curve, model)
-    first, highest = curve.points[activation_row(curve)], curve.peak
-    if first is not highest:
-        known = {"first": first.load_multiplier, "place": first.control_displacement}
-        said = (*said, say("mechanism.first_peak", peak=highest.load_multiplier, **known))
+    first = curve.points[activation_row(curve)]
+    said = (*said, *_first_of_peaks(curve, first))
     collapse = filter(None, [envelope.collapse_note])
     notes = (*_notes(curve, model, shape, grouping), *said, *envelope.notes, *collapse)
     capacity = Capacity.of(
@@ -127,7 +126,8 @@ def reduced(
         collapse_displacement=envelope.collapse_displacement,
         collapse_extrapolated=envelope.collapse_extrapolated,
         notes=notes,
-        losses=[(event.control_displacement, event.said) for event in curve.events],
+        losses=[(e.control_displacement, e.said) for e in curve.events],
+        changes=_changes(curve),
         out_of_plane=share_out_of_plane(model.assembly, shape, model.load_along),
         friction=friction,
         by_mass=by_mass,
@@ -139,6 +139,23 @@ def reduced(
         capacities={name: capacity.read_as(name) for name in READINGS},
         course=course_of(curve, model) if course else None,
     )
+
+
+def _first_of_peaks(curve: CapacityCurve, first: CurvePoint) -> tuple[Saying, ...]:
+    """A sentence where the mechanism forms at a peak before the highest."""
+    if first is curve.peak:
+        return ()
+    known = {"first": first.load_multiplier, "place": first.control_displacement}
+    return (say("mechanism.first_peak", peak=curve.peak.load_multiplier, **known),)
+
+
+def _changes(curve: CapacityCurve) -> list[Change]:
+    """The events after which other forces act or other blocks bear."""
+    return [
+        Change(e.control_displacement, e.said, e.kind is not EventKind.TIE_YIELDED)
+        for e in curve.events
+        if e.changes
+    ]
 
 
 def _known_collapse(envelope: Envelope, curve: CapacityCurve, model: Model) -> Envelope:

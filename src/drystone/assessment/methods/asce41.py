@@ -215,11 +215,14 @@ def _state(
     ratio, most = oscillator.ratio(spectrum), oscillator.most(spectrum)
     if ratio > most and verified:
         raise AssessmentError(say("refused.asce41", method=NAME, ratio=ratio, most=most))
-    limit = settings.displacement_limits.get(name)
+    limit, why = settings.displacement_limits.get(name), say("governs.given")
+    lost = capacity.first_loss
+    if limit is not None and lost is not None and lost.place < limit:
+        limit, why = lost.place, say("governs.lost", what=lost.what)  # the strength is that before
     own = None if limit is None else capacity.spectral_at(limit)
-    asked, borne, why = oscillator.target(spectrum), None, ""
+    asked, borne = oscillator.target(spectrum), None
     if own is not None:
-        borne, why = bearable(spectrum, oscillator.target, own), say("governs.given")
+        borne = bearable(spectrum, oscillator.target, own)
         valid = bearable(spectrum, lambda s: oscillator.ratio(s) / oscillator.most(s), 1.0)
         if valid is not None and (borne is None or valid < borne):
             borne, why = valid, say("governs.largest_ratio")
@@ -236,7 +239,7 @@ def _state(
         return_period_demand=spectrum.return_period,
         satisfied=None if own is None else asked <= own and ratio <= most,
         verified=verified,
-        governed_by=why,
+        governed_by="" if own is None else why,
         clause=say("clause.asce"),
         details={"strength_ratio": ratio, "largest_strength_ratio": most},
     )
@@ -246,7 +249,8 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     """Target displacement by ASCE 41-17 7.4.3.3 against the user's acceptance displacements.
 
     Limit states IO, LS and CP are those of `Settings.displacement_limits`, at the control point;
-    ASCE 41 has none for walls of blocks.
+    ASCE 41 has none for walls of blocks.  Where a tie breaks or a part falls before, they end
+    there: the target displacement is that of the strength before.
 
     Raises
     ------
@@ -278,6 +282,10 @@ def _answer(
     without = [state.name for state in found if state.satisfied is None]
     if without:
         said.append(say("asce41.without", states=without))
+    lost, asked = capacity.first_loss, settings.displacement_limits
+    cut = [] if lost is None else [name for name in given if asked.get(name, 0.0) > lost.place]
+    if lost is not None and cut:
+        said.append(say("asce41.lost", states=cut, what=lost.what))
     used = tuple(given.values())
     caution, where = placed(capacity, NAME)
     return Assessment(

@@ -134,7 +134,7 @@ def _ultimate(
     """
     own = SHARES[name] * local.collapse(capacity, settings)
     d, why = common.limit(capacity, settings, name, own)
-    a = local.acceleration(capacity, d, bool(settings.straight_capacity))
+    a = local.acceleration(capacity, d, local.is_straight(capacity, settings))
     period, damping = limit_period(d, a), settings.need("damping", "xi of the limit state")[name]
 
     def demand(s: Spectrum) -> float:

@@ -37,6 +37,25 @@ def collapse(capacity: Capacity, settings: Settings) -> float:
     return end
 
 
+def is_straight(capacity: Capacity, settings: Settings, own: bool = False) -> bool:
+    """Whether the line a0 (1 - d/d0) replaces the curve: as asked, or as the method has it (own).
+
+    The line is that of forces that stay constant, from the activation to the collapse.  Where a tie
+    yields or breaks, or a part falls, it is that of no structure: it would join the strength before
+    with the collapse after.
+
+    Raises
+    ------
+    AssessmentError
+        The line is asked for, and is none.
+    """
+    asked = settings.straight_capacity
+    changed = capacity.first_change
+    if asked and changed is not None:
+        raise AssessmentError(say("refused.no_line", what=changed.what))
+    return bool(own if asked is None else asked) and changed is None
+
+
 def acceleration(capacity: Capacity, displacement: float, straight: bool) -> float:
     """a* [m/s2] at d* [m], of the curve or of the straight line a0 (1 - d/d0)."""
     if straight:
@@ -53,6 +72,14 @@ def acceleration(capacity: Capacity, displacement: float, straight: bool) -> flo
 def collapse_assumption() -> str:
     """What d0 stands on."""
     return say("common.collapse")
+
+
+def caution_of_linear(capacity: Capacity) -> str:
+    """What goes with a verdict by the activation times q: q stands for the displacements that a
+    mechanism is capable of, and where a tie breaks on the way these are not those of the strength
+    that is multiplied."""
+    lost = capacity.first_loss
+    return "" if lost is None else say("local.brittle", what=lost.what)
 
 
 def caution(capacity: Capacity) -> str:

@@ -90,7 +90,7 @@ def _by_displacement(
     own = ULTIMATE_SHARE * local.collapse(capacity, settings)
     d, why = common.limit(capacity, settings, "SLV", own)
     at = SECANT_SHARE * d
-    straight = settings.straight_capacity is not False
+    straight = local.is_straight(capacity, settings, own=True)
     factor = local.confidence_factor(settings)
     a = local.acceleration(capacity, at, straight) / factor
     period = secant_period(at, a)
@@ -118,8 +118,9 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
     """Local mechanism by Circ. 617/2009 C8A.4, linear or non-linear kinematic analysis.
 
     The capacity is the straight line a0* (1 - d*/d0*), as for constant forces, unless
-    `Settings.straight_capacity` is False.  A `FloorSpectrum` gives T_1, psi and gamma of mechanisms
-    at a height.
+    `Settings.straight_capacity` is False.  Where a tie yields or breaks, or a part falls, it is the
+    curve: C8A.4.2.2 asks for it in pieces between such displacements.  A `FloorSpectrum` gives T_1,
+    psi and gamma of mechanisms at a height.
 
     Raises
     ------
@@ -145,19 +146,24 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         activation_acceleration=c.activation_acceleration / factor,
         confidence_factor=factor,
         spectra=given,
-        assumptions=common.assumptions(c, used) + notes + _said(settings, given, linear),
+        assumptions=common.assumptions(c, used) + notes + _said(c, settings, given, linear),
         uncertain=common.uncertain(c, used, found, UNCERTAIN),
         weighs_most=common.weight(c, say("ntc2009_local.weight_linear") if linear else ""),
-        caution="" if linear else local.caution(c),
+        caution=local.caution_of_linear(c) if linear else local.caution(c),
     )
 
 
-def _said(settings: Settings, given: Mapping[str, Spectrum], linear: bool) -> tuple[str, ...]:
+def _said(
+    capacity: Capacity, settings: Settings, given: Mapping[str, Spectrum], linear: bool
+) -> tuple[str, ...]:
     said: list[str] = []
+    changed = capacity.first_change
     if not linear:
         said.append(local.collapse_assumption())
-        if settings.straight_capacity is not False:
+        if local.is_straight(capacity, settings, own=True):
             said.append(say("ntc2009_local.straight"))
+        elif settings.straight_capacity is None and changed is not None:
+            said.append(say("ntc2009_local.curve", what=changed.what))
     if any(isinstance(s, FloorSpectrum) and len(s.modes) > 1 for s in given.values()):
         said.append(say("ntc2009_local.first_mode"))
     if any(s.site_specific for s in given.values()):

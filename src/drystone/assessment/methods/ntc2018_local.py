@@ -141,10 +141,11 @@ def _ultimate_state(
     rule, factor = RULES[name], local.confidence_factor(settings)
     own = rule.share * local.collapse(capacity, settings)
     d, why = common.limit(capacity, settings, name, own)
-    lost = sudden_loss(capacity) if name == "SLV" and not settings.straight_capacity else None
+    straight = local.is_straight(capacity, settings)
+    lost = sudden_loss(capacity) if name == "SLV" and not straight else None
     if lost is not None and lost < d:
         d, why = lost, say("governs.sudden")
-    a = local.acceleration(capacity, d, bool(settings.straight_capacity)) / factor
+    a = local.acceleration(capacity, d, straight) / factor
     period = limit_period(d, a, name)
     t0 = settings.elastic_period
     demand = displacement_demand(spectrum, period, rule.damping, t0)
@@ -249,7 +250,7 @@ def assess(capacity: Capacity, spectra: Spectra, settings: Settings) -> Assessme
         assumptions=common.assumptions(c, used) + notes + _said(c, settings, given, linear),
         uncertain=common.uncertain(c, used, found, *_uncertain(c)),
         weighs_most=common.weight(c, _weight(found, linear)),
-        caution="" if linear else local.caution(c),
+        caution=local.caution_of_linear(c) if linear else local.caution(c),
     )
 
 

@@ -54,6 +54,15 @@ def pulse_facts(pulse: Pulse, block: RockingBlock, level: float) -> dict[str, An
     }
 
 
+def _of_pulses(
+    capacity: Capacity, block: RockingBlock, level: float, settings: Settings
+) -> list[dict[str, Any]]:
+    """Facts of every pulse; refused where the forces do not stay constant."""
+    if settings.pulses and (changed := capacity.first_change) is not None:
+        raise AssessmentError(say("refused.pulses", what=changed.what))
+    return [pulse_facts(pulse, block, level) for pulse in settings.pulses]
+
+
 def record_facts(
     record: Record, rocker: MechanismRocker, block: RockingBlock, settings: Settings
 ) -> dict[str, Any]:
@@ -73,6 +82,29 @@ def record_facts(
         "n_impacts": max(response.n_impacts for response in found),
         "overturned": any(response.overturned for response in found),
     }
+
+
+def _of_records(
+    capacity: Capacity, factor: float, block: RockingBlock, settings: Settings
+) -> list[dict[str, Any]]:
+    """Facts of every record."""
+    settings.need("restitution", "velocity after an impact over that before it, 0 to 1")
+    settings.need("sides", '"two" where it rocks both ways alike, "one" where it cannot')
+    rocker = MechanismRocker(capacity, factor)
+    facts = [record_facts(r, rocker, block, settings) for r in settings.records]
+    _check_way_back(capacity, facts)
+    return facts
+
+
+def _check_way_back(capacity: Capacity, facts: list[dict[str, Any]]) -> None:
+    """Refuse motions that go beyond where a tie yields or breaks, or a part falls: the way back is
+    then on another curve, below that of the way there.  What overturns on the higher one fails."""
+    changed = capacity.first_change
+    if changed is None or any(fact["overturned"] for fact in facts):
+        return
+    for fact in facts:
+        if capacity.control_at(fact["largest_displacement"]) > changed.place:
+            raise AssessmentError(say("refused.way_back", record=fact["name"], what=changed.what))
 
 
 def _states(
@@ -135,7 +167,8 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
     ------
     AssessmentError
         Without records and pulses, without restitution and sides where there are records, or where
-        the curve has no collapse.
+        the curve has no collapse.  Where a tie yields or breaks or a part falls: pulses, and
+        records that move the mechanism so far.
     """
     if not settings.records and not settings.pulses:
         raise MissingError(
@@ -151,14 +184,11 @@ def assess(capacity: Capacity, spectra: Spectra | None, settings: Settings) -> A
             slenderness=math.atan(c.activation_multiplier / factor),
         )
     level = GRAVITY * c.activation_multiplier / factor
-    pulses = [pulse_facts(pulse, block, level) for pulse in settings.pulses]
+    pulses = _of_pulses(c, block, level, settings)
     states: tuple[LimitState, ...] = ()
     records: list[dict[str, Any]] = []
     if settings.records:
-        settings.need("restitution", "velocity after an impact over that before it, 0 to 1")
-        settings.need("sides", '"two" where it rocks both ways alike, "one" where it cannot')
-        rocker = MechanismRocker(c, factor)
-        records = [record_facts(r, rocker, block, settings) for r in settings.records]
+        records = _of_records(c, factor, block, settings)
         states += _states(c, records, settings)
     if pulses:
         asked = settings.limit_states or MORE_STATES
