@@ -270,6 +270,18 @@ class TestEnvelope:
         assert np.diff(found.control_displacement).min() == pytest.approx(6e-11, rel=1e-3)
         assert found.control_displacement[-2] == 0.05
 
+    def test_what_the_load_holds_back_for_a_moment_has_not_collapsed(self):
+        """A wall beyond its balance whose tie breaks, and which leans on the next one at once: the
+        run goes on there, and so does the envelope.  At the end such points are the collapse."""
+        rows = [(0.0, 0.0), (0.01, 0.6), (0.05, 0.5), (0.05, -0.1), (0.051, -0.02), (0.052, 0.3)]
+        points = [point_at(k, *row) for k, row in enumerate(rows)]
+        on = static_envelope(curve_of([*points, point_at(6, 0.1, 0.2)]))
+        assert on.load_multiplier.tolist() == [0.0, 0.6, 0.5, 0.3, 0.2]
+        assert on.collapse_displacement is None
+        assert any("2 points of the curve within jumps were dropped" in note for note in on.notes)
+        off = static_envelope(curve_of(points[:-1]))
+        assert off.collapse_displacement == pytest.approx(0.05, rel=1e-8)
+
     def test_no_line_is_extended_over_a_tie_that_breaks(self):
         """The last branch is that of the structure without it, however short."""
         rows = [(0.0, 0.0), (0.01, 0.6), (0.0998, 0.5), (0.1, 0.05), (0.101, 0.0495)]

@@ -10,7 +10,7 @@ from drystone.assessment.errors import UnfinishedError
 from drystone.common.arrays import Array
 from drystone.common.language import say
 from drystone.common.tolerances import ROUNDING, STOP_SHARE
-from drystone.results.curve import STATIC, CapacityCurve
+from drystone.results.curve import STATIC, CapacityCurve, CurvePoint
 from drystone.results.events import EventKind, first_collapse
 
 #: Share of the last displacement over which the slope of that branch is taken.
@@ -33,16 +33,18 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
     """The least that is borne at rest at each displacement.
 
     Points on the way of a jump are dropped; the points at rest before and after it are joined by a
-    straight line.  Where the control point turns back, the lower of its branches counts.  Where it
-    stands still while strength is lost, as where a tie breaks, the curve drops there: what is borne
-    just before is part of it.
+    straight line.  So are those around points that only a load against the load holds, where the
+    curve goes on: the structure moves by itself to where it carries again, as where a tie breaks
+    and a wall leans on the next one.  Where the control point turns back, the lower of its branches
+    counts.  Where it stands still while strength is lost, as where a tie breaks, the curve drops
+    there: what is borne just before is part of it.
 
     Raises
     ------
     UnfinishedError
         Fewer than two points at rest, or none that bears any load.
     """
-    static = [p for p in curve.points if p.status == STATIC]
+    static = _at_rest(curve)
     d = np.array([p.control_displacement for p in static])
     x = np.array([p.load_multiplier for p in static])
     if len(static) < 2 or not x.max() > 0.0:
@@ -63,6 +65,15 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
         notes=tuple(notes),
         collapse_note=note,
     )
+
+
+def _at_rest(curve: CapacityCurve) -> list[CurvePoint]:
+    """The points at rest at which nothing holds the structure back, and those at the end, by which
+    it has collapsed."""
+    static = [p for p in curve.points if p.status == STATIC]
+    carries = [k for k, p in enumerate(static) if p.load_multiplier > 0.0]
+    last = carries[-1] if carries else 0
+    return [p for k, p in enumerate(static) if k > last or not p.load_multiplier < 0.0]
 
 
 def _apart(d: Array, x: Array) -> Array:
@@ -133,7 +144,7 @@ def _last_change(curve: CapacityCurve) -> int:
     """The first of the points at rest from which on the same forces act and the same blocks bear:
     no line goes on over what changes them.  A tie yields from a point on, other events come after
     one."""
-    steps = [p.step for p in curve.points if p.status == STATIC]
+    steps = [p.step for p in _at_rest(curve)]
     changes = [event for event in curve.events if event.changes]
     last = max((event.step for event in changes), default=-1)
     after = any(e.step == last and e.kind is not EventKind.TIE_YIELDED for e in changes)
