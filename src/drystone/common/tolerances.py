@@ -608,6 +608,16 @@ STATIC_INERTIA = 1e-3
 AT_TARGET = ROUNDING
 AT_TARGET_OF_EXCESS = 1e-6
 
+#: Least motion of the control point in a step, over that demanded, with which the step to a target
+#: is asked for; its inverse is the most.  Range, half as much more or less: no effect, as a driven
+#: step comes to 2 % of what is asked.
+LEAST_GAIN = 0.5
+
+#: Share of the way to a target by which a driven step aims short of it, so that it does not go
+#: beyond.  Range, ten times more or less, of blocks that rock by `distinct`: energies are the same,
+#: points by 3 %; with 1e-4 a target was passed by 5e-8 m.
+SHORT_OF_TARGET = 1e-3
+
 #: Displacement steps up to which a corner of a loop may be rounded off.  Range, ten times more or
 #: less, by `nscd`: the energy of a block that slides to and fro is the same; the greatest
 #: multiplier of a block that rocks, and of a stack of two, by 1e-5, points by 6 %.

@@ -83,7 +83,7 @@ class ExcessHistoryControl(InLegs, ExcessControl):
             return corner
         before = leg.left(s.targets)
         left = changed(leg, now=report.control_displacement).left(s.targets)
-        if abs(left) <= self._near or state.tries >= s.most_tries:
+        if abs(left) <= self._near(report) or state.tries >= s.most_tries:
             return None
         short, beyond = state.short, state.beyond
         if left < 0.0:

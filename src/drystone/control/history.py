@@ -30,7 +30,7 @@ from drystone.control.displacement import (
     DisplacementState,
 )
 from drystone.control.ends import End, EndSettings, Progress
-from drystone.engines.base import Demand, Fold, StepReport
+from drystone.engines.base import OVERSHOOT_PARTS, Demand, Fold, StepReport
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,8 +135,7 @@ class InLegs:
     _anew: ClassVar[Mapping[str, Any]] = {}
     at_target = tolerances.AT_TARGET
 
-    @property
-    def _near(self) -> float:
+    def _near(self, report: StepReport) -> float:
         return float(self.at_target * self.settings.displacement_step)
 
     def _in_leg(self, leg: Leg, report: StepReport, decision: Decision[Any]) -> Decision[Any]:
@@ -152,7 +151,7 @@ class InLegs:
             return decision
         leg = leg.at(report, decision.load_multiplier)
         state = changed(decision.state, leg=leg, **self._anew)
-        if leg.left(targets) <= self._near:
+        if leg.left(targets) <= self._near(report):
             if leg.number + 1 == len(targets):
                 how = say("end.history", n=len(targets))
                 return changed(decision, state=state, demand=None, reason=how, finished=True)
@@ -169,6 +168,11 @@ class HistoryState(DisplacementState):
     """The state within a leg, in the sense of the leg, and the leg."""
 
     leg: Leg = field(default_factory=Leg)
+    #: Motion of the control point in the last step, over that demanded: an engine that drives the
+    #: structure comes only near.
+    gain: float = 1.0
+    #: 1/m, slope of the curve before the motion turned, until a step has been taken back.
+    before_turn: float | None = None
 
 
 class HistoryControl(InLegs, DisplacementControl):
@@ -185,7 +189,10 @@ class HistoryControl(InLegs, DisplacementControl):
         demand, targets = super()._demand(state), self.settings.targets
         if demand.increment is None:
             return demand
-        increment = min(demand.increment, max(state.leg.left(targets), 0.0))
+        left = max(state.leg.left(targets), 0.0) / state.gain
+        if abs(state.gain - 1.0) > tolerances.SHORT_OF_TARGET:  # it is known from the last step
+            left *= 1.0 - tolerances.SHORT_OF_TARGET
+        increment = min(demand.increment, left)
         return changed(demand, increment=state.leg.sense(targets) * increment)
 
     def decide(
@@ -194,7 +201,31 @@ class HistoryControl(InLegs, DisplacementControl):
         """Decide as for a monotonic curve, in the sense of the leg; at its end begin the next."""
         assert isinstance(state, HistoryState)
         sense = state.leg.sense(self.settings.targets)
-        return self._in_leg(state.leg, report, super().decide(state, demand, seen(report, sense)))
+        decision = super().decide(state, demand, seen(report, sense))
+        if decision.accept and decision.demand is not None and demand.increment:
+            went = (report.control_displacement - state.leg.now) / demand.increment
+            gain = min(max(went, tolerances.LEAST_GAIN), 1.0 / tolerances.LEAST_GAIN)
+            decision = changed(decision, state=changed(decision.state, gain=gain))
+        return self._in_leg(state.leg, report, decision)
+
+    def _near(self, report: StepReport) -> float:
+        """Nearer to a target the end of a step is noise, for an engine that moves through it."""
+        moves = report.path.overshoot is not None
+        share = tolerances.AT_TARGET_OF_EXCESS if moves else tolerances.AT_TARGET
+        return share * self.settings.displacement_step
+
+    def _adapted(self, state: DisplacementState, report: StepReport) -> DisplacementState:
+        """As for a monotonic curve.  If the first step back goes on along the curve, nothing sticks
+        at the target, and steps need not grow from so short a one."""
+        assert isinstance(state, HistoryState)
+        s = self.settings
+        found = super()._adapted(state, report)
+        if state.before_turn is None:
+            return found
+        increment, bend = found.increment, (state.slope - state.before_turn) * state.increment
+        if abs(bend) <= s.bend_share * self._scale(state):
+            increment = max(increment, s.first_share * s.displacement_step)
+        return changed(found, increment=increment, before_turn=None)
 
     def _turned(self, state: HistoryState, leg: Leg, sense: float, last: float) -> HistoryState:
         s = self.settings
@@ -209,6 +240,8 @@ class HistoryControl(InLegs, DisplacementControl):
             n_steps=state.n_steps,
             closing=state.closing,
             leg=leg,
+            gain=state.gain,
+            before_turn=state.slope,
         )
 
     def _finer(self, state: DisplacementState, report: StepReport) -> float | None:
@@ -223,12 +256,33 @@ class HistoryControl(InLegs, DisplacementControl):
         else:  # as if the curve went on with its last slope, and then level
             ahead = state.slope * state.increment
             bend = ahead - (report.static_multiplier - state.last)
+            if (rise := self._before_rise(state, report, -bend)) is not None:
+                return rise
             share = 1.0 - bend / ahead if ahead > 0.0 else 0.0
         finest = s.refined_share * state.closing
         hidden = bend > s.bend_share * self._scale(state) and state.n_shorter < s.most_shorter
         if hidden and finest < share * state.increment < state.increment - finest:
             return share * state.increment
         return None
+
+    def _before_rise(
+        self, state: DisplacementState, report: StepReport, above: float
+    ) -> float | None:
+        """A smaller increment [m] that ends where the multiplier rises within a step, or None.
+
+        ``above`` is its rise above that with the last slope.  So it rises where a block that rocks
+        back lands on its other corner: a step that hides this cuts off a part of the loop.
+        """
+        s, share = self.settings, report.path.rise
+        hidden = above / (self._scale(state) * s.bend_share)
+        if report.path.overshoot is None or hidden <= 1.0 or state.n_shorter >= s.most_shorter:
+            return None
+        if share is None:  # it rises all along, and a parabola leaves its tangent by four times
+            if hidden <= 4.0:  # what it leaves its chord by
+                return None
+            share = 0.5
+        nearer = max(share, 1.0 / OVERSHOOT_PARTS) * state.increment
+        return nearer if nearer > tolerances.CLOSING_SHARE * state.closing else None
 
     def _scale(self, state: DisplacementState) -> float:
         return max(super()._scale(state), self._carried(state))

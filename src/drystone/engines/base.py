@@ -118,6 +118,9 @@ class StepPath:
     #: those at both ends, as a mean over one of `OVERSHOOT_PARTS` parts.  If the curve has no peak,
     #: the overshoot goes to zero with the length of the step.
     overshoot: float | None = None
+    #: For engines that move through a step: the share of it before a part in which the multiplier
+    #: rises by more than half of its rise in the step, as where a joint closes; None if none does.
+    rise: float | None = None
     #: For engines that move through a step: if blocks moved far by themselves, states in motion
     #: within the step and their reports, in order.
     dynamic_states: tuple[tuple[State, StepReport], ...] = field(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drystone.common.tolerances import BY_ITSELF, ONWARDS, SLOWER
@@ -15,12 +17,33 @@ from drystone.engines.base import OVERSHOOT_PARTS
 STAGES = 4
 
 
-def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
+class Parts(NamedTuple):
+    """The multiplier along a driven increment, in the sense of the increment."""
+
+    share: tuple[float, ...]  # of the increment at which each part begins
+    multiplier: tuple[float, ...]  # means over the parts
+
+    @property
+    def highest(self) -> float:
+        """The highest mean."""
+        return max(self.multiplier, default=-np.inf)
+
+    def rise(self, start: float, end: float) -> float | None:
+        """The share before a part in which the multiplier rises by more than half of its rise from
+        ``start`` to ``end``; None if none does."""
+        means = np.array([start, *self.multiplier, end])
+        if not end > start:
+            return None
+        within = means[2:] - means[:-2]  # the mean of a part with a rise tells but a share of it
+        steepest = int(np.argmax(within))
+        return self.share[steepest] if within[steepest] > 0.5 * (end - start) else None
+
+
+def drive_on(state: DistinctState, work: Workspace, increment: float) -> Parts:
     """Move on at a constant rate of F.x until the control displacement has advanced by the
     ``increment`` [m], then stop.
 
-    Returns the highest multiplier within the step, in the sense of the increment; multipliers are
-    means over parts of the step.
+    Returns the multiplier along the step.
 
     The step begins with the motion of the last step, scaled to the rate of this one, so that it
     excites no vibrations.  It ends in stages, each slower than the one before, so that joints go on
@@ -32,9 +55,12 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
     rate = _start_drive(state, work, increment, begin)
     # Share of the increment at which the first stage begins.
     left = 1.0 - SLOWER / (1.0 - SLOWER) * s.stage_cycles / s.drive_cycles
-    highest, way = -np.inf, 1.0 if increment > 0.0 else -1.0
+    way, advanced = 1.0 if increment > 0.0 else -1.0, 0.0
+    begun: list[float] = []
+    means: list[float] = []
     for _ in range(10 * OVERSHOOT_PARTS):
-        highest = max(highest, way * _part(work, max(s.drive_cycles // OVERSHOOT_PARTS, 1), rate))
+        begun.append(advanced / increment)
+        means.append(way * _part(work, max(s.drive_cycles // OVERSHOOT_PARTS, 1), rate))
         advanced = control.displacement(assembly, pose) - begin
         if advanced / increment > left - 0.5 / OVERSHOOT_PARTS:
             break
@@ -46,7 +72,7 @@ def drive_on(state: DistinctState, work: Workspace, increment: float) -> float:
         rate *= SLOWER
         run(work, s.stage_cycles, guided=True, rate=rate, combined=True)
     work.motion.velocity[:] = 0.0
-    return highest
+    return Parts(tuple(begun), tuple(means))
 
 
 def _start_drive(state: DistinctState, work: Workspace, increment: float, begin: float) -> float:

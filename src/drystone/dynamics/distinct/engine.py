@@ -30,7 +30,7 @@ from drystone.contact.forces import ContactForces
 from drystone.dynamics import explicit
 from drystone.dynamics.distinct.arrival import at_rest, failed, in_real_motion
 from drystone.dynamics.distinct.cycles import load_gradually, relax, run
-from drystone.dynamics.distinct.driving import drive_on
+from drystone.dynamics.distinct.driving import Parts, drive_on
 from drystone.dynamics.distinct.state import (
     DistinctPrepared,
     DistinctSettings,
@@ -202,17 +202,19 @@ class DistinctEngine(Engine[DistinctState]):
     def _advance(self, state: DistinctState, increment: float) -> Step:
         """Drive the control displacement by an ``increment`` [m], then fix it and balance."""
         work = self._quasi_static(state, abs(increment))
-        highest = -np.inf
+        parts = Parts((), ())
         try:
             if increment:
-                highest = drive_on(state, work, increment)
+                parts = drive_on(state, work, increment)
         except RunAwayError as error:
             return state, failed(str(error), work, runs_away=True)
         new, figures = self._balance(state, work, guided=True)
         sense = 1.0 if increment >= 0.0 else -1.0
-        excess = highest - max(sense * state.multiplier, sense * new.multiplier)
-        overshoot = max(excess, 0.0) if increment else None
-        return new, replace(figures, path=replace(figures.path, overshoot=overshoot))
+        if not increment:
+            return new, figures
+        ends = sense * state.multiplier, sense * new.multiplier
+        overshoot, rise = max(parts.highest - max(ends), 0.0), parts.rise(*ends)
+        return new, replace(figures, path=replace(figures.path, overshoot=overshoot, rise=rise))
 
     def _balance(self, state: DistinctState, work: Workspace, *, guided: bool) -> Step:
         """Cycles until all blocks rest: with fixed F.x if ``guided``, else under a given load."""
