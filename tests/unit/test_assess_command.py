@@ -636,6 +636,17 @@ def test_of_a_cyclic_curve_the_envelope_is_assessed(made, cyclic):
     assert "La curva è ciclica" in spoken.output
 
 
+def test_a_cyclic_curve_that_does_not_collapse_is_told_what_would_mend_it(made):
+    """Farther targets: no max_displacement leads beyond them."""
+    model = ds.read_model(made / "wall.toml").with_history([0.05, -0.05, 0.1])
+    write_model(model, made / "short.toml")
+    drystone("run", made / "short.toml", "--out", made / "short", "--quiet")
+    told = drystone("assess", made / "short", *FLAGS)
+    assert told.exit_code == 3
+    said = " ".join(told.output.split())
+    assert "give [control] history farther targets" in said and "max_displacement" not in said
+
+
 @pytest.fixture(scope="module")
 def leaning(made) -> Path:
     """The folder of a block 0.5 m wide and 4 m high on a plane that falls to the left by 0.01 rad,

@@ -181,6 +181,10 @@ class TestEnds:
             say("end.low_peak", peak=0.005, stop=0.01),
             say("end.in_leg", leg="displacement 2 of 3", how=say("end.no_rest", n=4)),
             say("end.control_moved", block="b1"),
+            say("end.nothing_found", why=say("end.no_rest", n=4)),
+            say("end.collapsed", how=say("end.no_rest_found", why=say("end.no_load"))),
+            say("end.collapsed", how=say("end.falls_back")),
+            say("end.runs_away"),
             say("end.not_in_this_sense", most=0.12),
         ],
     )

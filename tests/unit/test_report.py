@@ -204,6 +204,19 @@ def test_curve_names_branches_peak_and_end(tmp_path):
     assert axes.get_xlabel().endswith("[m]")
 
 
+def test_a_branch_that_is_passed_in_motion_is_not_in_the_legend():
+    """Nothing is drawn of it but the points in motion, which have a name of their own."""
+    whole = synthetic.curve(dynamic=False)
+    top = whole.points.index(whole.capacity)
+    points = tuple(
+        replace(point, status="dynamic") if k > top else point
+        for k, point in enumerate(whole.points)
+    )
+    axes = canvas.new_figure(4, 4).subplots()
+    plot_curves(axes, [("", replace(whole, points=points))])
+    assert "ascending branch" in labels(axes) and "post-peak branch" not in labels(axes)
+
+
 def test_what_is_left_after_a_collapse_has_a_branch_of_its_own():
     """The post-peak branch of the whole structure was told to be that of what is left."""
     whole = synthetic.curve(dynamic=False)

@@ -319,6 +319,24 @@ def test_nothing_kept_damaged_or_of_another_run(tmp_path):
     assert len(ds.resume(folder, max_points=None).points) > 5
 
 
+def test_a_state_of_sources_with_other_fields_is_refused(tmp_path):
+    """Sources between two releases have one version; the run ended in a traceback."""
+    folder = tmp_path / "out"
+    paused(folder)
+    with np.load(folder / CHECKPOINT) as file:
+        entries = dict(file)
+    told = json.loads(entries["standing"].tobytes())
+    memory = told["tree"]["fields"]["memory"]
+    assert memory["fields"].pop("displacement") is not None
+    entries["standing"] = np.frombuffer(json.dumps(told).encode(), np.uint8)
+    with (folder / CHECKPOINT).open("wb") as file:
+        np.savez(file, **entries)
+    said = " ".join(refused(folder).split())
+    assert "another version has written its state" in said and "run the model again" in said
+    with pytest.raises(OutputError, match="DisplacementState has other fields"):
+        ds.resume(folder)
+
+
 def test_an_engine_that_keeps_no_states_says_so(tmp_path, monkeypatch):
     from dataclasses import replace
 

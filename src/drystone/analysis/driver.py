@@ -17,7 +17,7 @@ from drystone.analysis.plausible import Plausibility
 from drystone.analysis.sitting import SITTING, Sitting
 from drystone.common import tolerances
 from drystone.common.arrays import Array
-from drystone.common.codec import packed, unpacked
+from drystone.common.codec import CodecError, packed, unpacked
 from drystone.common.compilation import Compilation
 from drystone.common.language import say
 from drystone.common.progress.watched import points_shown
@@ -447,11 +447,11 @@ class _Run:
     def _taken_up(self, past: Past) -> tuple[State, Decision[Any]]:
         """Where a run that stopped stands; its points are seen again."""
         kept, solver = past.checkpoint, self.solver
-        standing = unpacked(
-            kept.standing,
-            derived=solver.derived(self._problem),
-            packages={type(solver).__module__.partition(".")[0]},
-        )
+        derived, package = solver.derived(self._problem), type(solver).__module__.partition(".")[0]
+        try:
+            standing = unpacked(kept.standing, derived=derived, packages={package})
+        except CodecError as error:
+            raise EngineError(say("end.state_of_another", why=str(error))) from None
         self.settlement, self.notes = kept.settlement, kept.notes
         self.begun -= kept.seconds
         for k, point in enumerate(past.points):

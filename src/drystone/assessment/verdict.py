@@ -177,9 +177,7 @@ def verdict_on(
     except AssessmentError as error:
         if own.collapse_displacement is not None:
             raise
-        why = say(
-            "verdict.curve_is", why=error.said, status=curve.status, reason=said_end(curve.reason)
-        )
+        why = _why_unfinished(error, curve, cyclic, settings.method)
         raise UnfinishedError(why) from None
     others: dict[str, Assessment | str] = {}
     for name, capacity in found.capacities.items():
@@ -194,6 +192,16 @@ def verdict_on(
     missing = missing_motions(asked.hazard)
     answer = replace(answer, assumptions=(*first, *answer.assumptions, *missing))
     return Verdict(assessment=answer, reduction=found, others=others, hazard=asked.hazard)
+
+
+def _why_unfinished(
+    error: AssessmentError, curve: CapacityCurve, cyclic: bool, method: str
+) -> Saying:
+    """Why a curve does not go far enough, and where it ends."""
+    said = error.said
+    if cyclic and getattr(said, "key", "") == "refused.no_collapse":
+        said = say("refused.no_collapse_to_and_fro", method=method)
+    return say("verdict.curve_is", why=said, status=curve.status, reason=said_end(curve.reason))
 
 
 def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:

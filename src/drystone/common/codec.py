@@ -84,6 +84,20 @@ def unpacked(
         raise CodecError(f"the tree is damaged ({error!r})") from None
 
 
+def check_fields(tree: Any) -> None:
+    """Raise `CodecError` where a tree has records of this package with other fields than these, or
+    of classes that are not there any more: those of another version."""
+    nodes = [tree]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, list):
+            nodes += node
+        elif isinstance(node, dict):
+            if "record" in node and node["record"].partition(".")[0] == OWN:
+                _record_class(node, _Reader([], {}, frozenset()))
+            nodes += node.values()
+
+
 class _Writer:
     """Takes a value apart."""
 
@@ -177,17 +191,15 @@ class _Reader:
         if "derived" in node:
             return self.derived[node["derived"]]
         if "enum" in node:
-            kind = self._class(node["enum"])
+            kind = self.known_class(node["enum"])
             if not issubclass(kind, Enum):
                 raise CodecError(f"{node['enum']} is no enumeration")
             return kind[node["member"]]
         return self._record(node)
 
     def _record(self, node: dict[str, Any]) -> Any:
-        kind, values = self._class(node["record"]), node["fields"]
-        names = _fields_of(kind)
-        if names is None or set(names) != set(values):
-            raise CodecError(f"{node['record']} has other fields in this version")
+        kind, names = _record_class(node, self)
+        values = node["fields"]
         made = {name: self.value(values[name]) for name in names}
         if issubclass(kind, tuple):
             return kind(**made)
@@ -196,7 +208,8 @@ class _Reader:
             object.__setattr__(record, name, value)
         return record
 
-    def _class(self, name: str) -> type[Any]:
+    def known_class(self, name: str) -> type[Any]:
+        """The class of a name in a tree."""
         module, _, path = name.partition(":")
         root, *inner = module.split(".")
         if root == OWN and not any(part.startswith("_") for part in inner):
@@ -210,6 +223,15 @@ class _Reader:
         if not isinstance(found, type) or _name(found) != name:
             raise CodecError(f"{name} is no class that is known here")
         return found
+
+
+def _record_class(node: dict[str, Any], reader: _Reader) -> tuple[type[Any], tuple[str, ...]]:
+    """The class of a record and its fields; `CodecError` where these are not those of the node."""
+    kind = reader.known_class(node["record"])
+    names = _fields_of(kind)
+    if names is None or set(names) != set(node["fields"]):
+        raise CodecError(f"{node['record']} has other fields in this version")
+    return kind, names
 
 
 def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:

@@ -505,10 +505,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             if state.time_step < tolerances.LEAST_JUMP * s.time_step:
                 reason: str = say("end.jump_lost", why=report.reason)
                 if self._carried(state) <= 0.0:
-                    reason = (
-                        "the structure carries nothing along the load, as where joints have no "
-                        f"friction, or no first step was found: {report.reason}"
-                    )
+                    reason = say("end.nothing_found", why=report.reason)
                 return self._lost(state, report, reason)
         elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
             # The step has followed the collapse itself: there is no jump left to follow.
@@ -559,7 +556,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         """
         end = End(reason=reason)
         if report.path.dynamic_states and report.dynamic:
-            how = f"no rest was found for what moves: {report.reason}"
+            how = say("end.no_rest_found", why=report.reason)
             end = collapsed(how, self._carried(state), self.settings.stop_multiplier)
         shown = _dynamic_multipliers(report)
         return self._decided(state, end, accept=False, dynamic_multipliers=shown)
@@ -656,7 +653,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         """The end of a curve whose structure has fallen, or None."""
         s, carried = self.settings, self._carried(state)
         if self._thrown_back(state, report):
-            return collapsed("it falls back behind where it stood", carried, s.stop_multiplier)
+            return collapsed(say("end.falls_back"), carried, s.stop_multiplier)
         if self._falls_freely(state, report):
             return fallen_freely(carried, s.stop_multiplier)
         if state.fallen > s.fall_motion * s.motion_length:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drystone.common import tolerances
+from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.control.base import Decision, Strategy, check_settings
 from drystone.control.ends import (
@@ -94,7 +95,7 @@ class ExcessControl(Strategy[ExcessState]):
                 time_step=tolerances.FAILED_TIME_STEP * state.time_step,
             )
             if state.time_step < tolerances.LEAST_EXCESS_TIME_STEP * s.time_step:
-                reason = report.reason or "the blocks run away however little is applied"
+                reason = report.reason or say("end.runs_away")
                 return self._decided(state, End(reason=reason), accept=False)
             return self._decided(state, accept=False)
         less = self._less(state, report)
@@ -241,9 +242,9 @@ class ExcessControl(Strategy[ExcessState]):
         if fallen > s.fall * s.motion_length and state.highest > s.stop_multiplier:
             return fallen_freely(state.highest, s.stop_multiplier)
         if dynamic and moved > s.jump:
-            return collapsed("it goes on in motion", state.highest, s.stop_multiplier)
+            return collapsed(say("end.in_motion"), state.highest, s.stop_multiplier)
         if state.begun_at is not None and not -1.0 <= moved <= s.fall:
-            return collapsed("it rests without any load", state.highest, s.stop_multiplier)
+            return collapsed(say("end.rests_unloaded"), state.highest, s.stop_multiplier)
         return None
 
     def _over(self, state: ExcessState, report: StepReport, dynamic: bool) -> End | None:

@@ -219,8 +219,10 @@ def _plot_branches(axes: Axes, curve: CapacityCurve, unit: Unit) -> None:
         "after a part collapsed": (last, len(x) - 1),
     }
     for (label, (begin, end)), colour in zip(branches.items(), canvas.CURVE_COLOURS, strict=False):
-        if begin < end or label == "ascending branch":
-            along = slice(begin, end + 1)
+        along = slice(begin, end + 1)
+        known = np.isfinite(y[along])
+        drawn = bool((known[1:] & known[:-1]).any())  # not where all of it is passed in motion
+        if drawn or label == "ascending branch":
             axes.plot(x[along], y[along], color=colour, label=label, **style)
 
 

@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.common.codec import Packed, packed, unpacked
+from drystone.common.codec import CodecError, Packed, check_fields, packed, unpacked
 from drystone.common.version import package_version
 from drystone.io.results.folder import sync_folder, whole_file
 from drystone.io.results.laidover import put_all
@@ -101,6 +101,7 @@ def read_checkpoint(folder: Path, run: str) -> tuple[Model, Checkpoint] | None:
             standing = _parts("standing", file)
             if not isinstance(checkpoint, Checkpoint):
                 raise CheckpointError("it is damaged (it holds something else)")
+            _check_version(standing)
             return model, replace(checkpoint, standing=standing)
     except FileNotFoundError:
         return None
@@ -122,6 +123,19 @@ def _opened(path: Path) -> Iterator[Any]:
         raise
     except (OSError, KeyError, ValueError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"it is damaged ({error})") from None
+
+
+def _check_version(standing: Packed) -> None:
+    """Raise `CheckpointError` where a state has other fields than those of this version.
+
+    Trees of the sources between two releases have one version.
+    """
+    try:
+        check_fields(standing.tree)
+    except (CodecError, ImportError, LookupError, TypeError, AttributeError) as error:
+        raise CheckpointError(
+            f"another version has written its state, which this one cannot continue ({error})"
+        ) from None
 
 
 def _model(file: Any) -> Model:
