@@ -645,6 +645,8 @@ def test_a_cyclic_curve_that_does_not_collapse_is_told_what_would_mend_it(made):
     assert told.exit_code == 3
     said = " ".join(told.output.split())
     assert "give [control] history farther targets" in said and "max_displacement" not in said
+    spoken = drystone("assess", made / "short", *FLAGS, "--language", "it").output
+    assert "La curva è arrestata" in spoken and "stopped" not in spoken
 
 
 @pytest.fixture(scope="module")

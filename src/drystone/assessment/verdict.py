@@ -13,7 +13,7 @@ from drystone.assessment.methods import METHODS, Assessment, LimitState, assess
 from drystone.assessment.methods.base import Settings, Spectra
 from drystone.assessment.request import Request, check_load, request_of, settings_of
 from drystone.assessment.site import MotionAsked, missing_motions, spectra_of_site
-from drystone.common.language import Saying, said_end, say
+from drystone.common.language import Saying, said_end, said_status, say
 from drystone.model.model import Model
 from drystone.model.site import AssessmentInput, Site
 from drystone.results.curve import FINISHED, STATIC, CapacityCurve
@@ -201,7 +201,12 @@ def _why_unfinished(
     said = error.said
     if cyclic and getattr(said, "key", "") == "refused.no_collapse":
         said = say("refused.no_collapse_to_and_fro", method=method)
-    return say("verdict.curve_is", why=said, status=curve.status, reason=said_end(curve.reason))
+    return say(
+        "verdict.curve_is",
+        why=said,
+        status=said_status(curve.status),
+        reason=said_end(curve.reason),
+    )
 
 
 def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli.outcome import INTERRUPTED, fail
-from drystone.common.language import said_end, say
+from drystone.common.language import said_end, said_status, say
 from drystone.io.results.names import RESULTS
 from drystone.io.results.senses import FORWARD, OPPOSITE, OPPOSITE_FOLDER
 
@@ -340,7 +340,7 @@ def _judged(
         )
     warnings: tuple[str, ...] = ()
     if curve.status != "finished":
-        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        known = {"status": said_status(curve.status), "reason": said_end(curve.reason)}
         warnings = (say("refused.incomplete", **known),)
     return Sense(
         name=name,

@@ -16,7 +16,7 @@ from drystone.assessment.errors import AssessmentError, UnfinishedError
 from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_blocks
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.common.arrays import Array, BoolArray, IntArray
-from drystone.common.language import said_end, say
+from drystone.common.language import said_end, said_status, say
 from drystone.geometry import motion
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import masses_of
@@ -333,7 +333,7 @@ def _past_the_peak(curve: CapacityCurve, assembly: Assembly) -> tuple[int, int, 
         end = fallen[0] if fallen else run[-1]
         return run[0], end, say("mechanism.past_peak")
     if not curve.peak_passed and curve.status != FINISHED:
-        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        known = {"status": said_status(curve.status), "reason": said_end(curve.reason)}
         raise UnfinishedError(say("refused.before_peak", **known))
     if top + 1 < len(curve.points):
         return top, _far_in_motion(curve, assembly, top), say("mechanism.jump")
@@ -412,7 +412,7 @@ def _spread(curve: CapacityCurve) -> list[int]:
 
 def _poses(curve: CapacityCurve) -> Array:
     if len(curve.points) < 2:
-        known = {"status": curve.status, "reason": said_end(curve.reason)}
+        known = {"status": said_status(curve.status), "reason": said_end(curve.reason)}
         raise UnfinishedError(say("refused.points", n=len(curve.points), **known))
     if curve.poses is None:
         raise UnfinishedError(

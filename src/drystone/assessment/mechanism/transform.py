@@ -22,7 +22,7 @@ from drystone.assessment.mechanism.shapes import (
 )
 from drystone.assessment.mechanism.sliding import share_of_friction
 from drystone.common.arrays import BoolArray
-from drystone.common.language import Saying, said_end, say
+from drystone.common.language import Saying, said_end, said_status, say
 from drystone.common.tolerances import ROUNDING
 from drystone.model.assembly import crushes
 from drystone.model.loading.base import masses_of
@@ -242,7 +242,7 @@ def _notes(
         notes.append(say("mechanism.blocks_left", names=names))
     if curve.status != FINISHED:
         end = said_end(curve.reason)
-        notes.append(say("mechanism.unfinished", status=curve.status, reason=end))
+        notes.append(say("mechanism.unfinished", status=said_status(curve.status), reason=end))
     if (assembly := model.assembly).bonds_at_corners:
         known = {"points": assembly.points, "many": assembly.kind.points_if_crushed}
         notes.append(say("mechanism.bonds", **known))

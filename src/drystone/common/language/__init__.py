@@ -13,7 +13,7 @@ from drystone.common.language.catalogue import (
     with_mark,
     words,
 )
-from drystone.common.language.saying import Saying, said_end, say, spoken
+from drystone.common.language.saying import Saying, said_end, said_status, say, spoken
 
 __all__ = [
     "DECIMAL_MARKS",
@@ -22,6 +22,7 @@ __all__ = [
     "current",
     "number",
     "said_end",
+    "said_status",
     "say",
     "speaking",
     "spoken",

@@ -89,6 +89,11 @@ def said_end(reason: str) -> str:
     return said
 
 
+def said_status(status: str) -> Saying:
+    """The status of a curve, as results keep it in English, as a saying."""
+    return say(f"status.{status}")
+
+
 def _recognised(text: str) -> str:
     """The saying of what happens along a curve that says a text in English; the text itself where
     there is none."""
