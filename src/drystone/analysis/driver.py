@@ -383,7 +383,7 @@ class _Run:
         if self.past is None:
             state, decision = self._at_rest(control, plausibility)
         else:
-            state, decision = self._taken_up(self.past)
+            state, decision = self._taken_up(self.past, control)
         while decision.demand is not None:
             self.stands = _Stands(state, decision, len(self.points), len(self.left))
             self._keep()
@@ -444,7 +444,7 @@ class _Run:
         self._add(report, state, 0.0, decision)
         return state, decision
 
-    def _taken_up(self, past: Past) -> tuple[State, Decision[Any]]:
+    def _taken_up(self, past: Past, control: Control[Any]) -> tuple[State, Decision[Any]]:
         """Where a run that stopped stands; its points are seen again."""
         kept, solver = past.checkpoint, self.solver
         derived, package = solver.derived(self._problem), type(solver).__module__.partition(".")[0]
@@ -469,11 +469,8 @@ class _Run:
             self.ties += [] if carried is None else [carried]
         if self.recorder is not None:
             self.recorder.begin(self.model, solver.name, self.strategy)
-        decision: Decision[Any] = Decision(
-            accept=True, demand=standing.demand, state=standing.memory
-        )
         self.sitting.begin(len(self.points))
-        return standing.state, decision
+        return standing.state, control.again(standing.memory)
 
     def _keep(self, *, last: bool = False) -> None:
         """Offer the recorder a checkpoint."""

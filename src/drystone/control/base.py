@@ -91,12 +91,20 @@ class Strategy(Generic[Memory]):
             **shown,
         )
 
+    def again(self, state: Memory) -> Decision[Memory]:
+        """Go on from what was remembered; the settings may have another end than then."""
+        return self._decided(state)
+
 
 class Control(Protocol[Memory]):
     """A strategy that traces the curve."""
 
     def first(self, report: StepReport) -> Decision[Memory]:
         """The first demand, of the structure at rest under its dead load."""
+        ...
+
+    def again(self, state: Memory) -> Decision[Memory]:
+        """What to demand of a run that stopped, from what the control remembers."""
         ...
 
     def decide(self, state: Memory, demand: Demand, report: StepReport) -> Decision[Memory]:
