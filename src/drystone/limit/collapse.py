@@ -13,6 +13,7 @@ from drystone.contact.forces import OPEN, SLIDING, STICKING, ContactForces
 from drystone.geometry.motion import moved_points
 from drystone.limit import associative as bounds
 from drystone.limit.cones import least_normal
+from drystone.limit.crushing import n_points
 from drystone.limit.edges import Edges
 from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
@@ -40,8 +41,10 @@ AT_REST = 1e-6
 #: it is just beginning.
 FALLING = 1e-3
 #: Default number of paths to non-associative states, for small and for large structures; and the
-#: number of blocks from which a structure is large, by the dimension.
-MANY, FEW, FEW_FROM = 8, 1, {2: 200, 3: 50}
+#: number of blocks from which a structure is large, by the dimension.  It also is from
+#: `FEW_FROM_POINTS` contact points on, which joints that may be crushed have many of: with 8,700
+#: points in space eight paths take 50 s, with 36,000 six minutes.
+MANY, FEW, FEW_FROM, FEW_FROM_POINTS = 8, 1, {2: 200, 3: 50}, 5000
 #: Relative difference of multipliers below which a sentence counts them as equal.
 DIFFERENT = 1e-4
 #: Relative difference below which two states have the same multiplier: the accuracy in space.
@@ -176,6 +179,13 @@ def collapse_loads(
     return _of_flows(model, equilibrium, flows, settings, most)
 
 
+def uncrushed(model: Model) -> Collapse:
+    """The associative collapse as if no joint could be crushed: a program of few points."""
+    points = contact_points(model.assembly)
+    points = replace(points, crushing=np.full(points.n_contacts, np.inf))
+    return _of_flows(model, _balance(model, points), (ASSOCIATIVE,), None, None)[0]
+
+
 def bound_with(model: Model, points: ContactPoints) -> float:
     """The associative multiplier with other contact points than those of the joints.  It is inf if
     they carry any multiple of the load, nan if the structure does not stand on them."""
@@ -282,7 +292,8 @@ def _collapses(
 
 def default_paths(assembly: Assembly) -> int:
     """Default number of paths of the non-associative scheme."""
-    return FEW if assembly.n_blocks >= FEW_FROM[assembly.dimension] else MANY
+    large = assembly.n_blocks >= FEW_FROM[assembly.dimension]
+    return FEW if large or n_points(assembly) >= FEW_FROM_POINTS else MANY
 
 
 NOT_SOLVED = "the program could not be solved: are blocks or strengths of extreme sizes?"

@@ -27,7 +27,8 @@ from scipy.sparse import csc_array
 
 from drystone.common.arrays import Array, IntArray
 from drystone.geometry.patches import spread_over
-from drystone.limit.joints import ContactPoints, joined
+from drystone.limit.joints import ContactPoints, contact_points, joined
+from drystone.model.assembly import Assembly
 
 #: Strength of a point over the heaviest weight from which its rest has a unit of its own.
 LARGE = 100.0
@@ -53,6 +54,12 @@ def spread(points: ContactPoints) -> ContactPoints:
     return ContactPoints(
         **{name: np.concatenate((getattr(points, name)[~crushed], own[name])) for name in own}
     )
+
+
+def n_points(assembly: Assembly) -> int:
+    """Number of contact points of the programs; it is the points of joints that may be crushed that
+    make large programs of small structures."""
+    return spread(contact_points(assembly)).n_contacts
 
 
 def with_crushing_points(points: ContactPoints, still: int) -> tuple[ContactPoints, IntArray]:
