@@ -31,6 +31,10 @@ from drystone.model.ties import Bars
 State = TypeVar("State", bound=Any)
 Solved = tuple[State, StepReport]
 
+#: Reason of a step that fails because its end is far away, where none of the bonds that are near
+#: their strength at its start is the first to reach it.
+TOO_WEAK = "bonds exceed their strength however short the step"
+
 
 @dataclass(frozen=True, kw_only=True)
 class BondSteps(Generic[State]):
@@ -134,6 +138,9 @@ class BondSteps(Generic[State]):
             if worst <= self.near:
                 break
         new, report = best
+        if report.reached == 0.0 and new.margin.min() > self.near:
+            # However short the step, it leads to a place where bonds exceed their strength.
+            return state, StepReport(converged=False, reason=TOO_WEAK)
         return replace(new, due=self._first(new.margin)), report
 
     def _share(
