@@ -56,6 +56,13 @@ from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
 
+#: Parts of the motion of supports, each with a speed of its own.
+SUPPORT_PARTS = 120
+
+#: The speeds over their mean: supports start from rest and come back to rest.  A sudden speed would
+#: lift the joints for a moment, or press them, and what slips in that moment stays slipped.
+SUPPORT_SPEEDS = 1.0 - np.cos(2.0 * np.pi * (np.arange(SUPPORT_PARTS) + 0.5) / SUPPORT_PARTS)
+
 #: A state and the report of the step to it.
 Step = tuple[DistinctState, StepReport]
 
@@ -181,17 +188,23 @@ class DistinctEngine(Engine[DistinctState]):
         return Workspace(self.settings, state, real_masses=False, bounds=bounds)
 
     def _follow_supports(self, state: DistinctState, amount: float) -> Step:
-        """Move supports on by an ``amount`` [m or rad] at a constant rate, then balance."""
+        """Move supports on by an ``amount`` [m or rad], from rest and back to rest, then balance.
+
+        Damping is combined, as in the drive of the control displacement: local damping would act
+        as a force on blocks that ride along.
+        """
         settlement = state.prepared.problem.settlement
         assert settlement is not None
-        assembly, n = state.prepared.assembly, self.settings.drive_cycles
+        assembly = state.prepared.assembly
+        n = max(self.settings.drive_cycles // SUPPORT_PARTS, 1)
         given = settlement.increment(assembly, state.pose, state.support_motion + amount)
         work = self._quasi_static(state, state.prepared.detector.farthest(given))
         if amount:
             rows = settlement.rows(assembly)
-            work.motion.velocity[rows] = given[rows] / (n * work.dt)
             try:
-                run(work, n)
+                for speed in SUPPORT_SPEEDS:
+                    work.motion.velocity[rows] = speed * given[rows] / (SUPPORT_PARTS * n * work.dt)
+                    run(work, n, combined=True)
             except RunAwayError as error:
                 return state, failed(str(error), work)
             work.motion.velocity[rows] = 0.0
