@@ -162,12 +162,12 @@ def test_a_wall_that_leans_on_another_is_activated_where_it_begins_to_rock():
     assert "from which it falls by more than a fifth" in told
 
 
-def held_wall(breaking, strength=4e3):
+def held_wall(breaking, strength=4e3, stiffness=1e6):
     """4 m x 0.5 m, held at 3.5 m by a rod of a few millimetres that breaks; None: without it."""
     rod = ds.Tie(
         start=ds.TieEnd(block="wall", point=np.array([-0.25, 3.5])),
         end=ds.TieEnd(point=np.array([-3.0, 3.5])),
-        stiffness=1e6,
+        stiffness=stiffness,
         yield_force=strength,
         breaking_elongation=breaking,
         compression=False,
@@ -209,6 +209,19 @@ def test_beyond_a_tie_that_breaks_the_wall_is_that_without_it(strength):
         assert getattr(late, key) == pytest.approx(getattr(late_alone, key), rel=1e-3), key
     with pytest.raises(AssessmentError, match=r'pulses.*the tie "rod"'):
         curve.assess(model, method="rocking", **METHODS["rocking"])
+
+
+def test_a_rod_that_breaks_before_the_wall_rocks_forms_no_mechanism():
+    """It breaks at a hundredth of b/h, by which four fifths of the load are lost; the wall was said
+    to be activated there, with a safety index of 0.03."""
+    model, free = held_wall(1e-6, 1e5, stiffness=1e8), held_wall(None)
+    curve, alone = ds.pushover(model), ds.pushover(free)
+    broken = next(e for e in curve.events if e.kind == "tie_broken")
+    assert broken.load_multiplier < 0.01
+    asked = {"site": SITE, "method": "ntc2018-local", "confidence_factor": 1.35}
+    found, expected = curve.assess(model, **asked), alone.assess(free, **asked)
+    assert found.as_dict()["activation_multiplier"] == pytest.approx(0.125, rel=1e-2)
+    assert found.safety_index == pytest.approx(expected.safety_index, rel=1e-3)
 
 
 def test_a_mass_on_a_block_participates_where_it_lies():

@@ -6,6 +6,7 @@ the undeformed structure; the secant, u(d_C)/d_C; the tangent, du/dd_C.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ from drystone.assessment.mechanism.bodies import AT_REST, SAME, find_macro_block
 from drystone.assessment.mechanism.field import VelocityField, chord, less
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import said_end, said_status, say
+from drystone.common.tolerances import ROUNDING
 from drystone.geometry import motion
 from drystone.model.assembly import GRAVITY, Assembly
 from drystone.model.loading.base import masses_of
@@ -28,6 +30,9 @@ POINTS = 6
 #: Share of a peak down to which the multiplier falls where its mechanism has formed: a strength is
 #: exhausted by convention where a fifth of it is lost (EC8-3, NTC 2018 7.8.2.2).
 FORMED = 0.8
+#: Secant stiffness over the first one from which on joints count as closed: in a mechanism that has
+#: formed it is smaller by orders of magnitude.
+STILL_STIFF = 0.5
 #: Points after the peak that the initial mechanism is read from at least, where there are as many.
 FEWEST = 3
 #: Motion of a block in a jump, over the smallest block, after which the mechanism is read there.
@@ -296,18 +301,33 @@ def activation_row(curve: CapacityCurve) -> int:
     """The peak at which the first mechanism forms, by its row.
 
     It is the curve's peak, or one before it from which the multiplier falls to `FORMED` of it, as
-    where a wall rocks before it leans on another one.
+    where a wall rocks before it leans on another one.  Where a tie or a bond breaks while joints
+    are still closed, no mechanism forms: the fall counts from what is borne without it.
     """
-    top = 0
+    top, before, falls_from = 0, 0, -math.inf
     for row, point in enumerate(curve.points):
         if point.status != STATIC:
             continue
-        highest = curve.points[top].load_multiplier
-        if point.load_multiplier > highest:
+        bears = point.load_multiplier
+        if bears > curve.points[top].load_multiplier:
             top = row
-        elif highest > 0.0 and point.load_multiplier < FORMED * highest:
-            break
+        falls_from = max(falls_from, bears)
+        if falls_from > 0.0 and bears < FORMED * falls_from:
+            if not _breaks_while_closed(curve, before, row):
+                break
+            falls_from = bears
+        before = row
     return top
+
+
+def _breaks_while_closed(curve: CapacityCurve, before: int, row: int) -> bool:
+    """Whether strength is lost at one displacement between two rows, where the structure is still
+    about as stiff as at first."""
+    d, x = curve.control_displacement, curve.load_multiplier
+    if row - before > 1 or abs(d[row] - d[before]) > ROUNDING * float(np.abs(d).max()):
+        return False
+    first = next((k for k in range(row) if d[k] > 0.0 and x[k] > 0.0), row)
+    return bool(d[before] > 0.0 and x[before] * d[first] >= STILL_STIFF * x[first] * d[before])
 
 
 def _far_in_motion(curve: CapacityCurve, assembly: Assembly, top: int) -> int:

@@ -84,7 +84,7 @@ def activation_demand(spectrum: Spectrum, elastic_period: float | None) -> float
 
 def sudden_loss(capacity: Capacity) -> float | None:
     """d* [m] of the last point before more than half of the largest acceleration is lost at once,
-    or None.
+    or None.  The largest is that so far, or that of the activation where it comes later.
 
     As where a tie or a connection breaks: it ends the SLV, C8.7.1.2.1.8.  At once is within a
     hundredth of the collapse displacement, or from one point to the next where an event lies
@@ -95,11 +95,11 @@ def sudden_loss(capacity: Capacity) -> float | None:
     if end is None:
         return None
     events = [capacity.spectral_at(place) for place, _ in capacity.losses or ()]
-    found = None
+    found, least = None, capacity.activation_acceleration
     for i in range(min(int(np.searchsorted(d, end)), len(d) - 1)):
         jump = any(d[i] <= place < d[i + 1] for place in events)
         after = max(int(np.searchsorted(d, d[i] + SUDDEN * end, side="right")), i + 1 + jump)
-        if a[i] - a[i:after].min() > LOST * a[: i + 1].max():
+        if a[i] - a[i:after].min() > LOST * max(a[: i + 1].max(), least):
             found = float(d[i])
         elif found is not None:
             break
