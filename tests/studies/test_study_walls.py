@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from itertools import pairwise
 
@@ -11,6 +12,7 @@ import pandas as pd
 import pytest
 
 import drystone as ds
+from drystone.cli.study import report
 from drystone.model.assembly import Block, Corner
 from drystone.model.builders import coursed_wall
 from drystone.studies.conduct import extremes_of, run_again
@@ -310,3 +312,53 @@ def test_a_study_of_which_nothing_is_finished_says_why(study, tmp_path):
     told, _ = process.communicate(timeout=120)
     assert process.returncode == 3
     assert "4 times: the limit of 2 steps was reached" in told
+
+
+SINKING = (
+    BASE
+    + """
+[[block]]
+id = "far"
+vertices = [[-2.4, -0.2], [-2.0, -0.2], [-2.0, 0.0], [-2.4, 0.0]]
+support = true
+[[block]]
+id = "b"
+vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.3], [-0.2, 0.3]]
+[settlement]
+blocks = ["base"]
+direction = [0.0, -1.0]
+max = 0.05
+[[tie]]
+name = "rod"
+from = { block = "b", point = [-0.2, 0.15] }
+to = { block = "ground", point = [-2.2, 0.15] }
+stiffness = 1e7
+yield_force = 100.0
+compression = false
+"""
+)
+
+
+def test_where_supports_move_the_reactions_are_the_outputs(tmp_path):
+    """The rod takes of the weight what its slope lifts.  Such samples had a peak of one, which was
+    said not to be passed."""
+    (tmp_path / "wall.toml").write_text(SINKING)
+    study = written(
+        tmp_path,
+        """
+        model = "wall.toml"
+        design = "grid"
+        [[parameter]]
+        path = "tie.rod.yield_force"
+        values = [100.0, 400.0]
+        """,
+    )
+    frame = ds.study(study, out=tmp_path / "out", workers=1)
+    slope = 0.05 / math.hypot(2.0, 0.05)
+    expected = 0.12 * 10e3 - slope * np.array([100.0, 400.0])
+    assert frame["least_reaction"].to_numpy() == pytest.approx(expected, rel=1e-5)
+    assert frame["stands"].tolist() == [True, True]
+    assert frame["peak_multiplier"].isna().all()
+    said = report(json.loads((tmp_path / "out" / "study.json").read_text()), tmp_path / "out")
+    assert "peak" not in said
+    assert "least_reaction" in said

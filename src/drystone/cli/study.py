@@ -227,7 +227,10 @@ def report(found: dict[str, Any], folder: Path) -> str:
                 f"  {printable(one['name']):<22} median {one['median']:.5g} "
                 f"({one['median_confidence'][0]:.5g} to {one['median_confidence'][1]:.5g}), "
                 f"beta {one['beta']:.4g}"
+                + (f", {one['n_left_out']} samples left out" if one.get("n_left_out") else "")
             )
+        else:
+            lines.append(f"  {printable(one['name']):<22} not fitted: {printable(one['reason'])}")
     lines.append(f"  {'results':<22} {folder}/")
     return "\n".join(lines)
 

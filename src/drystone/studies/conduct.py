@@ -324,8 +324,8 @@ def run_again(asked: Study, folder: Path, sample: int, seed: int | None = None) 
 
 
 def extremes_of(folder: Path) -> list[Path]:
-    """Folders of the samples of least and greatest peak of a study, run again where they are not
-    there.
+    """Folders of the samples of least and greatest peak of a study (where supports move, of their
+    least reaction), run again where they are not there.
 
     Raises
     ------
@@ -333,7 +333,8 @@ def extremes_of(folder: Path) -> list[Path]:
         The study has no curves, or its file is missing.
     """
     record = record_of(folder) or {}
-    samples = (record.get("extremes") or {}).get("peak_multiplier")
+    extremes = record.get("extremes") or {}
+    samples = extremes.get("peak_multiplier") or extremes.get("least_reaction")
     if samples is None:
         raise StudyError([f"{folder}: the study has no curves: finish it by --resume"])
     found = []

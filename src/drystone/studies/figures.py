@@ -15,7 +15,7 @@ from drystone.io.results.folder import in_a_sentence, whole_file
 from drystone.report import canvas
 from drystone.report.curve_figure import DISPLACEMENT, MULTIPLIER
 from drystone.studies.study import Study
-from drystone.studies.tables import read_samples, some_curves
+from drystone.studies.tables import column_names, read_samples, some_curves
 
 #: Curves that bands are made of, and those that are drawn one by one.
 MOST_CURVES, DRAWN = 4000, 60
@@ -40,6 +40,9 @@ _WORDS = {
     "safety_index": "safety index [-]",
     "safety_index_against": "safety index against the load [-]",
     "governing_safety_index": "governing safety index [-]",
+    "least_reaction": "least reaction [N, N m]",
+    "greatest_reaction": "greatest reaction [N, N m]",
+    "largest_motion": "motion of the supports [m, rad]",
 }
 #: Units of the columns that begin so, and end with a limit state where there is one.
 _OF_STATES = {
@@ -114,8 +117,9 @@ def bands(folder: Path, title: str) -> Any:
         axes.set_xlim(0.0, at[-1])
         axes.legend(fontsize=9, frameon=False)
     axes.set_ylim(bottom=min(0.0, float(np.quantile(multiplier, 0.01))))
-    axes.set_xlabel(f"{DISPLACEMENT} [m]")
-    axes.set_ylabel(MULTIPLIER)
+    moved = "least_reaction" in column_names(folder)
+    axes.set_xlabel(_words("largest_motion") if moved else f"{DISPLACEMENT} [m]")
+    axes.set_ylabel("reaction over the weight [-]" if moved else MULTIPLIER)
     _titled(axes, title)
     return figure
 

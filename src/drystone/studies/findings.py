@@ -20,6 +20,7 @@ from drystone.studies.tables import column_names, read_samples
 MAIN = (
     "peak_multiplier", "ultimate_displacement", "capacity_multiplier", "limit_associative",
     "limit_non_associative", "safety_index", "safety_index_against", "governing_safety_index",
+    "least_reaction", "greatest_reaction", "largest_motion",
 )  # fmt: skip
 
 

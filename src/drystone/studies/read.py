@@ -30,7 +30,7 @@ from drystone.studies.distributions import (
 )
 from drystone.studies.errors import StudyError
 from drystone.studies.schema import MOST_SAMPLES, ParameterSection, StudySection, VariedSection
-from drystone.studies.study import ABOUT, COLUMNS, Imperfection, Parameter, Study, Task
+from drystone.studies.study import ABOUT, COLUMNS, REACTIONS, Imperfection, Parameter, Study, Task
 
 
 def read_study(
@@ -198,7 +198,7 @@ def _parameters(
                         f'apply = "{one.apply}" could change: give it there'
                     )
         name = one.name or texts[0]
-        taken = [*ABOUT, *(column for names in COLUMNS.values() for column in names)]
+        taken = [*ABOUT, *REACTIONS, *(column for names in COLUMNS.values() for column in names)]
         if name in taken or any(name == other.name for other in found):
             problems.append(f"{here}: the name {quoted(name)} is taken: give it another name")
         found.append(Parameter(name=name, paths=tuple(keys), apply=one.apply))

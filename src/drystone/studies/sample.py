@@ -24,7 +24,7 @@ from drystone.common.version import package_version
 from drystone.io.results.summary import plain
 from drystone.model.construction.errors import ModelError
 from drystone.studies import paths
-from drystone.studies.study import COLUMNS, Task
+from drystone.studies.study import COLUMNS, REACTIONS, Task
 
 #: Status of a sample without a result.
 FAILED = "failed"
@@ -185,7 +185,7 @@ def _analysed(
     if task.outputs != ("limit",):
         curve = _traced(task, model)
         found |= {"status": curve.status, "reason": curve.reason}
-        found |= _of_curve(curve)
+        found |= _of_supports(curve, model) if curve.moves_supports else _of_curve(curve)
         traced = resampled(curve.control_displacement, curve.load_multiplier, task.points)
         if _assesses(task):
             judged = _judged(task, model, curve)
@@ -243,6 +243,20 @@ def _of_curve(curve: Any) -> dict[str, Any]:
         "ultimate_displacement": curve.ultimate_displacement,
         "capacity_multiplier": capacity.load_multiplier,
         "capacity_displacement": capacity.control_displacement,
+        **_of_points(curve),
+    }
+
+
+def _of_supports(curve: Any, model: Any) -> dict[str, Any]:
+    """Where supports move, the curve is their reaction: it has no peak."""
+    from drystone.io.results.summary import support_figures
+
+    told = support_figures(curve, model)
+    return {**{name: told[name] for name in REACTIONS}, **_of_points(curve)}
+
+
+def _of_points(curve: Any) -> dict[str, Any]:
+    return {
         "max_residual": _largest(curve.residual),
         "max_penetration": _largest(curve.column("penetration")),
         "n_points": len(curve.points),

@@ -34,6 +34,12 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 
+#: Columns of a curve of supports that move, N and m, or N m and rad; it has none of peaks.
+REACTIONS = (
+    "initial_reaction", "least_reaction", "least_reaction_at", "greatest_reaction",
+    "greatest_reaction_at", "largest_motion", "stands",
+)  # fmt: skip
+
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:

@@ -25,7 +25,7 @@ KINDS = (CURVES, FAILURES, SAMPLES)  # the last says that the others are whole
 #: Columns whose type is not that of a number with decimals.
 _WHOLE = ("sample", "seed", "n_points")
 _TEXT = ("status", "reason", "version", "digest", "governing_sense")
-_TRUTH = ("certified", "satisfied", "satisfied_against")
+_TRUTH = ("certified", "stands", "satisfied", "satisfied_against")
 
 #: Samples that are put in order at a time: of 1e5 samples 17 MiB less than with four times as many.
 WINDOW = 5_000

@@ -59,7 +59,7 @@ def summarise(curve: CapacityCurve, model: Model) -> dict[str, Any]:
         "max_penetration": _largest(curve, "penetration"),
         "max_friction_violation": _largest(curve, "friction_violation"),
         "peak": {name: getattr(peak, name) for name in COLUMNS},
-        **(_support_figures(curve, model) if curve.moves_supports else {}),
+        **(support_figures(curve, model) if curve.moves_supports else {}),
         **(_cyclic(curve, model) if curve.is_cyclic else {}),
         "wall_time": curve.wall_time,
         "compile_time": curve.compile_time,
@@ -99,7 +99,7 @@ def _cyclic(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     }
 
 
-def _support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
+def support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     """Of supports that move: how their reaction goes, in N and m, or in N m and rad."""
     from drystone.results.curve import STATIC
 
