@@ -185,6 +185,11 @@ class TestEnds:
             say("end.collapsed", how=say("end.no_rest_found", why=say("end.no_load"))),
             say("end.collapsed", how=say("end.falls_back")),
             say("end.runs_away"),
+            say("end.supports_fall", why=say("end.moves_on")),
+            say("end.supports_fall", why=say("end.one_runs_away", block="b3")),
+            say("end.supports_unsolved", why=say("end.sweeps", residual=1.4e4, n=300)),
+            say("end.no_rest_found", why=say("end.unbalanced", residual=2e-3, n=100)),
+            say("end.supports_fall", why=say("end.too_far")),
             say("end.not_in_this_sense", most=0.12),
         ],
     )

@@ -217,5 +217,5 @@ class SupportControl(Strategy[_State]):
         """The end by a fall, if blocks move on.  A step that is not solved does not show a fall."""
         if not (report.converged or report.dynamic):
             return End(reason=say("end.supports_unsolved", why=report.reason))
-        why = report.reason or "blocks move on by themselves"
+        why = report.reason or say("end.moves_on")
         return End(reason=say("end.supports_fall", why=why), finished=True)

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.language import say
 from drystone.common.tolerances import (
     AT_REST_MOTION,
     DEAD_LOAD_TIME_STEP,
@@ -233,7 +234,7 @@ class NscdEngine(Engine[NscdState]):
         motion, reason = state.prepared.detector.farthest(h * solved.velocity), ""
         if solved.residual > tolerance:
             share = solved.residual / scale
-            reason = f"Gauss-Seidel left a residual of {share:.1e} after {solved.n_sweeps} sweeps"
+            reason = say("end.sweeps", residual=float(share), n=solved.n_sweeps)
         elif motion > self.settings.max_motion * state.prepared.detector.margin:
             reason = TOO_FAR
         if reason:

@@ -16,6 +16,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, BoolArray
 from drystone.common.codec import Derived
+from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
@@ -80,7 +81,7 @@ class Demand:
 
 
 #: Reason of a step that fails because blocks could have met that the step has not looked at.
-TOO_FAR = "a block moves too far in one step"
+TOO_FAR = say("end.too_far")
 
 #: Parts into which an increment is divided while it is driven.  `StepPath.overshoot` is taken from
 #: the mean multiplier of each part.

@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray
+from drystone.common.language import say
 from drystone.common.tolerances import (
     AT_STRENGTH,
     DISTINCT_RESIDUAL,
@@ -238,8 +239,7 @@ class DistinctEngine(Engine[DistinctState]):
             return state, failed(str(error), work, runs_away=True)
         left = work.meter[explicit.RESIDUAL]
         return state, failed(
-            f"an unbalanced force of {left:.1e} of a block's weight is left after "
-            f"{work.n_cycles} cycles",
+            say("end.unbalanced", residual=float(left), n=work.n_cycles),
             work,
         )
 

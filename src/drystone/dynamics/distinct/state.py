@@ -9,6 +9,7 @@ from types import ModuleType
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.language import say
 from drystone.common.tolerances import (
     DISTINCT_TOLERANCE,
     LOCAL_DAMPING,
@@ -103,7 +104,7 @@ class RunAwayError(EngineError):
     """A block has moved farther than a block may move in a step."""
 
     def __init__(self, name: str, motion: Array) -> None:
-        super().__init__(f'the block "{name}" runs away, and no rest is found for it')
+        super().__init__(say("end.one_runs_away", block=name))
         self.motion = motion  # m, of each block, (n,)
 
 
