@@ -91,7 +91,7 @@ class ExcessControl(Strategy[ExcessState]):
         if not report.converged or report.motion > 2.0 * s.displacement_step:
             state = changed(
                 state,
-                excess=0.5 * state.excess,
+                excess=max(0.5 * state.excess, tolerances.LEAST_EXCESS * s.increment),
                 time_step=tolerances.FAILED_TIME_STEP * state.time_step,
             )
             if state.time_step < tolerances.LEAST_EXCESS_TIME_STEP * s.time_step:
@@ -181,6 +181,8 @@ class ExcessControl(Strategy[ExcessState]):
         moved = abs(report.control_displacement - state.displacement)
         if not 0.0 < tolerances.SOFTER * state.advance * rise < moved:
             return None  # the structure is as soft as before, or it is the first step
+        if not beyond > tolerances.LEAST_EXCESS * self.settings.increment:
+            return None
         nearer = rise + 0.5 * beyond * known / fall
         return nearer if nearer < tolerances.ALL_BUT * state.excess else None
 
