@@ -180,9 +180,7 @@ def solve(
     followed = _Followed(full_search=full_search)
     if settings.path is not None and isinstance(step, PlaneStep):
         whole = step.prescribed is None or dynamic or beyond
-        followed = _follow(
-            step, start, settings.path, whole=whole, full_search=full_search, dynamic=dynamic
-        )
+        followed = _follow(step, start, settings.path, whole=whole, full_search=full_search)
         if followed.solution is not None:
             return followed.solution
     solved, found = _by_iterations(step, start, followed, dynamic=dynamic)
@@ -194,13 +192,7 @@ def solve(
 
 
 def _follow(
-    step: PlaneStep,
-    start: StepStart,
-    settings: PathSettings,
-    *,
-    whole: bool,
-    full_search: bool,
-    dynamic: bool,
+    step: PlaneStep, start: StepStart, settings: PathSettings, *, whole: bool, full_search: bool
 ) -> _Followed:
     """Follow the linear pieces of a step, and choose what is to be tried if that fails."""
     prescribed = step.prescribed
@@ -208,9 +200,8 @@ def _follow(
         piecewise.follow, step, start.guesses[0], start.multiplier, start.reaction, settings
     )
     solution = follow(whole=whole)
-    # At a fold there is no equilibrium ahead: the structure goes on in motion.  With inertia, there
-    # always is a solution.
-    folded = solution.reason == piecewise.TURNS_BACK and prescribed is not None and not dynamic
+    # At a fold there is no equilibrium ahead: the structure goes on in motion.
+    folded = solution.reason == piecewise.TURNS_BACK and prescribed is not None
     if not solution.reason or folded or solution.reason == TOO_STIFF:
         return _Followed(solution=solution, full_search=full_search)
     step.again()
