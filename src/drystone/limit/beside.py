@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 #: Structures of more blocks than these are left out of the non-associative flow, which takes up to
 #: thirty times as long as the associative; those of more than `MOST_BLOCKS` altogether.
 MOST_NON_ASSOCIATIVE = {2: 120, 3: 150}
-#: The same of contact points.  Structures that may be crushed reach it first, in space with some
-#: ten joints to the non-associative flow and 130 altogether: 36,000 points take 10 s, 44,000 up to
-#: 90 s.
+#: The same of contact points.  Structures that may be crushed reach these numbers first: in space
+#: with some 35 joints that of the non-associative flow, with 140 that of both.  36,000 points take
+#: 10 s, 44,000 up to 90 s.
 MOST_POINTS, MOST_POINTS_NON_ASSOCIATIVE = 40_000, 10_000
 #: A multiplier may lie above by this share of the bound, or by this much where the bound is next to
 #: nothing: without friction, where it is zero, engines leave up to 4e-7.

@@ -33,9 +33,9 @@ def static_envelope(curve: CapacityCurve) -> Envelope:
     """The least that is borne at rest at each displacement.
 
     Points on the way of a jump are dropped; the points at rest before and after it are joined by a
-    straight line.  So are those around points that only a load against the load holds, where the
-    curve goes on: the structure moves by itself to where it carries again, as where a tie breaks
-    and a wall leans on the next one.  Where the control point turns back, the lower of its branches
+    straight line.  Points at rest with a negative multiplier are dropped, too, if the structure
+    carries load again after them: it moves over them by itself, as where a tie breaks and a wall
+    leans on the next one.  Where the control point turns back, the lower of its branches
     counts.  Where it stands still while strength is lost, as where a tie breaks, the curve drops
     there: what is borne just before is part of it.
 
