@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from builders import PUBLISHED_JOINT, stack
-from drystone.analysis.driver import obeyed, pushover
+from drystone.analysis.driver import pushover
+from drystone.analysis.tracing import obeyed
 from drystone.cli.outcome import UNFINISHED, exit_code
 from drystone.contact.forces import ContactForces
 from drystone.engines.base import Capabilities, Engine, EngineError, StepPath, StepReport

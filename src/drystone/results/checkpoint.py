@@ -10,7 +10,8 @@ from drystone.common.arrays import Array
 from drystone.common.codec import Packed
 from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
-from drystone.results.curve import BlockLeft, CurvePoint, TieRecord
+from drystone.results.curve import BlockLeft, CurvePoint
+from drystone.results.kept import TieRecord
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,8 @@ from drystone.io.results.hdf5 import (
     TIE_FIELDS,
 )
 from drystone.io.results.journal import overlaid, pending
-from drystone.results.curve import BlockLeft, CurvePoint, TieRecord
+from drystone.results.curve import BlockLeft, CurvePoint
+from drystone.results.kept import TieRecord
 
 #: Contact points that are read at a time where points are asked for in turn: some 2 MB.
 READ_AHEAD = 1 << 14
