@@ -22,7 +22,7 @@ import numpy as np
 from drystone.common import tolerances
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.records import changed
-from drystone.contact.contacts import Pairs, Slots
+from drystone.contact.contacts import Pairs
 from drystone.contact.forces import ActedContacts, ContactForces
 from drystone.contact.histories import Histories, handed_on, predecessor_pairs
 from drystone.engines.base import (
@@ -45,15 +45,14 @@ from drystone.engines.measures import (
     unstable_sentence,
 )
 from drystone.engines.prepared import Prepared
-from drystone.geometry import motion
 from drystone.law.bonds import dilating_margins, yielded
 from drystone.law.certificate import Forces, JudgedContacts, certify
 from drystone.law.columns import BROKEN, SLID
 from drystone.law.status import STATUS_OF
-from drystone.model.assembly import Assembly, crushes
+from drystone.model.assembly import Assembly
 from drystone.model.joint_law import Yielding
 from drystone.model.ties import TieState
-from drystone.statics import solution, yielding
+from drystone.statics import prediction, solution, yielding
 from drystone.statics.equations import (
     TOO_STIFF,
     Loaded,
@@ -64,8 +63,9 @@ from drystone.statics.equations import (
 )
 from drystone.statics.interior import FEW_ITERATIONS
 from drystone.statics.plane.plane_step import PlaneStep
-from drystone.statics.solution import SolutionSettings, StepStart
+from drystone.statics.solution import SolutionSettings
 from drystone.statics.space.space_step import SpaceStep
+from drystone.statics.state import EquilibriumState
 from drystone.statics.static_step import StaticStep, StepSolution
 
 
@@ -89,86 +89,6 @@ class EquilibriumSettings:
     #: or that of any block over its weight.
     inertia_limit: float = tolerances.STATIC_INERTIA
     solution: SolutionSettings = field(default_factory=SolutionSettings)
-
-
-@dataclass(frozen=True, kw_only=True)
-class EquilibriumState:
-    """Poses, histories of joints, and what the next step is predicted from."""
-
-    prepared: Prepared
-    stage: int  # of the dead loads, see `Problem.stages`
-    pose: Array  # (n, n_pose) m, rad
-    multiplier: float
-    pairs: Pairs
-    paired_at: Array  # (n, n_pose) where the pairs were found, or last found to be complete
-    slots: Slots  # contacts in `pose`
-    history: Array  # (n_slots, N_HISTORY + dim - 2)
-    reaction: Array  # (n_slots, dim) N
-    branch: IntArray  # (n_slots,) of the joint law, see `law.branches`
-    last_increment: Array  # (n, n_dof) m, rad; zeros if there is nothing to predict from
-    margin: Array  # (n_slots + n_ties,) of bonds, see `law.bonds`, and ties
-    due: IntArray  # rows of `margin` of the bonds and ties that break next
-    departed: BoolArray  # (n,) blocks that have left
-    ties: TieState
-    support_motion: float = 0.0  # m or rad, by which supports have moved
-    last_support_motion: float = 0.0  # the same in the last step
-    kept: IntArray | None = None  # (n_pairs,) steps for which features stay; in the plane only
-    slope: float = np.nan  # 1/m, of the curve, if it is known
-    softened: bool = False  # whether joints soften, and the slope allows for that
-    tangent: Array | None = None  # (n, n_dof) per m of the control displacement, if it is known
-    curvature: Array | None = None  # (n, n_dof) per m2, change of the tangent in the last step
-    unstable: int = 0  # unstable equilibria in a row, this one included
-    in_vain: int = 0  # steps in a row that Newton's method along the curve has not completed
-    acted: ActedContacts | None = None  # contacts whose reactions are in balance
-
-
-def _curvature(before: Array | None, after: Array | None, increment: float | None) -> Array | None:
-    """Change of the tangent in a step, (n, n_dof) per m2 of the control displacement."""
-    if before is None or after is None or not increment:
-        return None
-    return (after - before) / increment
-
-
-def _along(state: EquilibriumState, demand: Demand, guess: Array) -> Array | None:
-    """The increments (n, n_dof) of a step along the curve; None if they are not known.
-
-    They follow the tangent.  If supports move, they are those of the last step, which are the
-    ``guess`` (n, n_dof).
-    """
-    if demand.increment and state.tangent is not None:
-        return demand.increment * state.tangent
-    return guess if demand.settlement and state.last_support_motion else None
-
-
-def _begins(
-    state: EquilibriumState,
-    multiplier: float,
-    increment: float | None,
-    guess: Array,
-    along: Array | None,
-) -> StepStart:
-    """Where a step from a state begins.
-
-    It may end near the ``guess`` (n, n_dof), near ``along`` (n, n_dof) if the tangent is known, and
-    near a parabola if the curvature is known too.
-    """
-    guesses = [guess]
-    if along is not None and increment is not None:
-        guesses.append(along)
-        if state.curvature is not None:
-            guesses.append(along + 0.5 * increment**2 * state.curvature)
-    return StepStart(
-        guesses=guesses,
-        along=along,
-        multiplier=multiplier,
-        reaction=state.reaction,
-        slope=np.nan if state.softened else state.slope,
-        unstable=state.unstable,
-        # A crushed joint is stiffer as soon as it unloads: a mode of the tangent holds in one sense
-        # only.
-        may_leave=not crushes(state.prepared.assembly.laws),
-        in_vain=state.in_vain,
-    )
 
 
 class EquilibriumEngine(Engine[EquilibriumState]):
@@ -409,9 +329,9 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         """The same, but the state at the end keeps the pairs of the state at the start."""
         own = self.equations_of(state)
         own.accuracy = changed(own.loaded.accuracy, farthest=farthest)
-        prescribed = self._prescribed(state, demand)
+        prescribed = prediction.prescribed_by(state, demand)
         h = demand.time_step or self.settings.static_time_step
-        guess, multiplier = self._predict(state, demand, prescribed)
+        guess, multiplier = prediction.predicted(state, demand, prescribed)
         guess = self._move_supports(own, state, demand, guess)
         solved = self._solve(own, state, demand, prescribed, guess, multiplier, h)
         if solved.reason == TOO_STIFF:
@@ -457,8 +377,8 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         h: float,
     ) -> StepSolution:
         """Solve a step from a ``guess`` (n, n_dof) and the multiplier at its ``start``."""
-        increment, along = demand.increment, _along(state, demand, guess)
-        begins = _begins(state, start, increment, guess, along)
+        increment, along = demand.increment, prediction.along_curve(state, demand, guess)
+        begins = prediction.begins(state, start, increment, guess, along)
         last: StepSolution | None = None
 
         def begin(branch: IntArray, near: Array, *joints: Array | None) -> None:
@@ -557,54 +477,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             kept=None,
         )
 
-    def _prescribed(self, state: EquilibriumState, demand: Demand) -> PointDisplacement | None:
-        if demand.increment is None:
-            return None
-        control = state.prepared.problem.control_point
-        designed = control.point - state.prepared.assembly.centroid[control.block]
-        return PointDisplacement(
-            body=control.block,
-            arm=motion.rotated_vector(designed, state.pose[control.block]),
-            axis=control.direction,
-            axes=self._axes_of(state, control.block),
-            increment=demand.increment,
-        )
-
-    def _axes_of(self, state: EquilibriumState, block: int) -> Array:
-        """Principal axes of a block in the pose of a state, (dim, dim) in columns; in the plane as
-        designed, because they are not used there."""
-        designed: Array = state.prepared.assembly.axes[block]
-        if len(designed) == 2:
-            return designed
-        turned = motion.rotated(
-            designed.T, np.repeat(state.pose[block, None], len(designed), axis=0)
-        )
-        return np.ascontiguousarray(turned.T)
-
-    def _predict(
-        self, state: EquilibriumState, demand: Demand, prescribed: PointDisplacement | None
-    ) -> tuple[Array, float]:
-        """The increments (n, n_dof) that the step is expected to have, and the multiplier at its
-        start.
-
-        The last increments, rotated with the blocks, are continued if they had the same sense.
-        """
-        if demand.settlement is not None:
-            return self._follow_supports(state, demand.settlement), 0.0
-        if prescribed is None:
-            assert demand.multiplier is not None
-            return state.prepared.assembly.no_motion(), demand.multiplier
-        moved = prescribed.increment - prescribed.missing(state.last_increment)
-        if moved * prescribed.increment <= 0.0:
-            return state.prepared.assembly.no_motion(), state.multiplier
-        share = prescribed.increment / moved
-        guess = share * state.last_increment
-        if guess.shape[1] == 6:
-            return guess, state.multiplier
-        way = motion.translations(guess)
-        way[:] = motion.rotated(way, 0.5 * (1.0 + share) * state.last_increment)
-        return guess, state.multiplier
-
     def _move_supports(
         self, own: StaticStep, state: EquilibriumState, demand: Demand, guess: Array
     ) -> Array:
@@ -619,13 +491,6 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         amount = state.support_motion + demand.settlement
         given[:] = problem.settlement.increment(problem.assembly, state.pose, amount)
         return np.where(np.any(given, axis=1, keepdims=True), given, guess)
-
-    def _follow_supports(self, state: EquilibriumState, amount: float) -> Array:
-        """The last increments (n, n_dof), in proportion to the ``amount`` by which supports move
-        [m or rad]; zeros if they did not move in the last step."""
-        if not state.last_support_motion:
-            return state.prepared.assembly.no_motion()
-        return amount / state.last_support_motion * state.last_increment
 
     def _accept(
         self,
@@ -675,7 +540,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             slope=solved.slope,
             softened=solved.softened,
             tangent=solved.tangent,
-            curvature=_curvature(state.tangent, solved.tangent, demand.increment),
+            curvature=prediction.curvature_of(state.tangent, solved.tangent, demand.increment),
             kept=own.kept.copy() if isinstance(own, PlaneStep) else None,
             unstable=state.unstable + 1 if solved.unstable else 0,
             in_vain=solved.in_vain,
