@@ -204,6 +204,52 @@ def test_breaking_is_a_tooth_of_the_curve():
     assert not curve.ties.force[broken:, 0].any()
 
 
+@pytest.mark.parametrize("engine", EXACT)
+@pytest.mark.parametrize("elongation", [0.002, 0.02])
+def test_an_elastic_tie_breaks_where_it_is_to_break(engine, elongation):
+    """Its force is never larger than that at which it breaks, however long the steps."""
+    model = model_of((tie(breaking_elongation=elongation, yield_force=1e6),))
+    curve = ds.pushover(model, engine=engine, keep_poses=True)
+    k = max(k for k in range(len(curve.points)) if curve.ties.state(k, 0) == "elastic")
+    assert curve.ties.state(k + 1, 0) == "broken"
+    assert curve.ties.elongation[k, 0] == pytest.approx(elongation, rel=2e-2)
+    assert curve.ties.elongation[: k + 1, 0].max() <= (1.0 + 1e-3) * elongation
+    end = place(model, 1, WALL, curve.poses[k])
+    line = end - ANCHOR
+    force = STIFFNESS * elongation * line / np.linalg.norm(line)
+    exact = carried(model, 1, curve.poses[k], WALL, -force)
+    assert curve.points[k].load_multiplier == pytest.approx(exact, rel=2e-2)
+
+
+@pytest.mark.parametrize("engine", EXACT)
+def test_a_tie_breaks_as_its_support_moves_away(engine):
+    """The support is never pulled by more than the force at which the tie breaks."""
+    breaking = 0.0021
+    away = {"block": None, "point": np.array((-1.0, 0.05))}
+    model = ds.make_model(
+        [
+            box("rock", -3.0, 1.0, 0.5, -0.5, support=True),
+            box("sled", 0.0, 1.0, 0.5, -0.5, support=True),
+            box("b", 0.0),
+        ],
+        joint=ds.JointLaw(friction_coefficient=5.0, normal_stiffness=1e9, shear_stiffness=1e9),
+        thickness=THICKNESS,
+        ties=[
+            tie(
+                start=ds.TieEnd(**away),
+                end=ds.TieEnd(block="b", point=np.array((0.0, 0.05))),
+                breaking_elongation=breaking,
+                yield_force=1e6,
+            )
+        ],
+        settlement=ds.Settlement(blocks=("sled",), direction=np.array([1.0, 0.0]), max=0.01),
+    )
+    curve = ds.pushover(model, engine=engine)
+    assert curve.status == "finished"
+    assert np.abs(curve.reaction).max() == pytest.approx(STIFFNESS * breaking, rel=2e-3)
+    assert curve.ties.state(len(curve.points) - 1, 0) == "broken"
+
+
 @pytest.mark.parametrize("flow", ["associative", "non-associative"])
 @pytest.mark.parametrize("space", [False, True])
 def test_limit_analysis_takes_the_strength(flow, space):

@@ -694,6 +694,11 @@ FAILED_TIME_STEP = 0.6
 LEAST_EXCESS_TIME_STEP = 1e-3
 EXCESS_TIME_GROWTH = 1.4
 
+#: Elongation of a tie beyond that at which it breaks, over the latter, above which a step is tried
+#: again with less, by engines that do not solve for where ties break.  Derived: the force of an
+#: elastic tie is too large by as much at most.
+LATE = 1e-3
+
 #: Most by which an excess grows in a step.  Range, 1.25 and 2, of 7 by `nscd`: a peak by 2.4e-4, an
 #: end by 1.5 %, iterations by 7 %.
 EXCESS_GROWTH = 1.5

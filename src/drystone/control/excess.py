@@ -88,7 +88,8 @@ class ExcessControl(Strategy[ExcessState]):
     ) -> Decision[ExcessState]:
         """Adapt the excess to the motion; a step that fails or goes too far is tried with less."""
         s = self.settings
-        if not report.converged or report.motion > 2.0 * s.displacement_step:
+        too_far = report.motion > 2.0 * s.displacement_step or report.late > tolerances.LATE
+        if not report.converged or too_far:
             state = changed(
                 state,
                 excess=max(0.5 * state.excess, tolerances.LEAST_EXCESS * s.increment),

@@ -91,6 +91,8 @@ class SupportControl(Strategy[_State]):
         may_jump = step <= floor and state.jumps < s.most_jumps
         if not report.converged or report.unstable or (jumps and not may_jump):
             return self._again(state, report, step)
+        if report.late > tolerances.LATE and step > floor:
+            return self._shorter(state, step)
         advanced = step * report.reached
         slope = (report.reaction - state.reaction) / advanced if advanced else state.slope
         greatest = max(state.greatest, abs(report.reaction))

@@ -20,6 +20,7 @@ import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.common.language import say
+from drystone.common.records import changed
 from drystone.common.tolerances import (
     AT_REST_MOTION,
     DEAD_LOAD_TIME_STEP,
@@ -197,6 +198,8 @@ class NscdEngine(Engine[NscdState]):
     def step(self, state: NscdState, demand: Demand) -> tuple[NscdState, StepReport]:
         """One implicit step; see `Engine.step`."""
         new, outcome = self._step(state, demand)
+        if outcome.converged:
+            outcome = changed(outcome, late=new.prepared.bars.late(new.ties))
         if outcome.converged and outcome.dynamic and demand.multiplier is not None:
             prepared = new.prepared
             left = departing(

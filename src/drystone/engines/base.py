@@ -166,6 +166,8 @@ class StepReport:
     #: Share of the demanded increment that was reached: less than one if the step ends with a bond
     #: at its strength, zero if a bond breaks.
     reached: float = 1.0
+    #: Elongation of a tie that breaks, beyond that at which it does, over the latter.
+    late: float = 0.0
     n_iterations: int = 0
     path: StepPath = UNTOLD  # what is known of the path to the end
     dynamic: bool = False  # whether the step ends in motion
