@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from typer.testing import CliRunner
 
 import drystone as ds
+from drystone.cli import app
 from solids import box
 
 UNIT_WEIGHT, THICKNESS = 20e3, 0.5
@@ -302,6 +305,25 @@ def test_summary_names_what_it_is(tmp_path):
     read = ds.load_results(tmp_path).curve
     assert np.array_equal(read.reaction, curve.reaction)
     assert read.moves_supports
+
+
+def test_reactions_of_several_folders_are_compared(tmp_path):
+    """In the units of the run: N and m, or N m and degrees."""
+    for name, model, units in (
+        ("spread", leaning(), ("[N]", "[m]")),
+        ("turn", table(), ("[N m]", "[°]")),
+    ):
+        curve = ds.pushover(model)
+        ds.save_results(curve, model, tmp_path / name)
+        command = ["compare", str(tmp_path / name), "--out", str(tmp_path / "both.png")]
+        shown = CliRunner().invoke(app, command)
+        assert shown.exit_code == 0, shown.output
+        assert all(unit in shown.stdout for unit in units)
+        for point in curve.marked_reactions.values():
+            assert f"{point.reaction:.6g}" in shown.stdout
+        row = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)["curves"][0]
+        assert row["greatest_reaction"] == curve.marked_reactions["greatest"].reaction
+        assert row["largest_motion"] == curve.control_displacement[-1]
 
 
 WRONG = (

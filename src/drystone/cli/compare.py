@@ -33,7 +33,8 @@ def compare(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw the curves of several folders into one picture, and print peaks and ends."""
+    """Draw the curves of several folders into one picture, and print peaks and ends, or reactions
+    of supports that move."""
     with outcome(as_json=as_json):
         from drystone.io.modelfile import ModelError
         from drystone.io.results.folder import check_place, in_a_sentence, whole_file
@@ -65,7 +66,8 @@ def compare(
         if as_json:
             emit({"status": "done", "file": str(out), "curves": rows})
         else:
-            typer.echo(_table(rows))
+            moves_supports = results[0].curve.moves_supports
+            typer.echo(_reactions(curves) if moves_supports else _table(rows))
             if not quiet:
                 typer.echo(f"{out} is written")
     raise typer.Exit(DONE)
@@ -96,6 +98,8 @@ def _names(folders: Sequence[Path]) -> list[str]:
 
 
 def _row(name: str, found: Results) -> dict[str, Any]:
+    from drystone.io.results.summary import reaction_figures
+
     curve: CapacityCurve = found.curve
     return {
         "name": name,
@@ -112,6 +116,7 @@ def _row(name: str, found: Results) -> dict[str, Any]:
         "last_displacement": curve.points[-1].control_displacement,
         "last_multiplier": curve.points[-1].load_multiplier,
         "n_points": len(curve.points),
+        **(reaction_figures(curve) if curve.moves_supports else {}),
     }
 
 
@@ -135,6 +140,31 @@ def _table(rows: Sequence[dict[str, Any]]) -> str:
                 f"{_metres(row['capacity_displacement']):>9} {'':>9}  before a part collapses; the "
                 "peak is that of what is left"
             )
+    return "\n".join(lines)
+
+
+def _reactions(curves: Sequence[tuple[str, CapacityCurve]]) -> str:
+    """The table of supports that move, in the units of their pictures."""
+    from drystone.cli.run import reaction_texts
+    from drystone.model.construction.words import printable
+    from drystone.report.quantities import Quantities
+
+    shown = Quantities.of(curves[0][1])
+    width = max(8, *(len(name) for name, _ in curves))
+    force, at = shown.force_unit, f"at [{shown.motion_unit}]"
+    head = [f"{name} [{force}]" for name in ("first", "least", "greatest", "last")]
+    lines = [
+        f"{'':<{width}}  {'engine':<12} {head[0]:>14} {head[1]:>14} {at:>9} {head[2]:>14} {at:>9} "
+        f"{head[3]:>14} {at:>9}  status"
+    ]
+    for name, curve in curves:
+        size, marked = reaction_texts(curve), curve.marked_reactions
+        where = {k: f"{shown.per_unit * p.control_displacement:.5g}" for k, p in marked.items()}
+        lines.append(
+            f"{printable(name):<{width}}  {curve.engine:<12} {size['first']:>14} "
+            f"{size['least']:>14} {where['least']:>9} {size['greatest']:>14} "
+            f"{where['greatest']:>9} {size['last']:>14} {where['last']:>9}  {curve.status}"
+        )
     return "\n".join(lines)
 
 

@@ -352,19 +352,16 @@ def event_rows(curve: CapacityCurve) -> list[tuple[str, str]]:
 
 def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
     """The same of supports that move."""
-    from drystone.common.tolerances import LAST_DIGITS
     from drystone.model.construction.words import printable
     from drystone.report.quantities import Quantities
 
     shown = Quantities.of(curve)
-    force, unit, at = shown.force_unit, shown.motion_unit, shown.x(curve)
-    marked = curve.marked_reactions
-    rounding = LAST_DIGITS * max(abs(point.reaction) for point in marked.values())
+    force, unit = shown.force_unit, shown.motion_unit
+    marked, size_of = curve.marked_reactions, reaction_texts(curve)
 
     def shown_at(name: str) -> str:
-        point = marked[name]
-        size = 0.0 if abs(point.reaction) <= rounding else point.reaction
-        return f"{size:.6g} {force}" + (f" at {at[point.step]:.5g} {unit}" * (name != "first"))
+        at = shown.per_unit * marked[name].control_displacement
+        return f"{size_of[name]} {force}" + f" at {at:.5g} {unit}" * (name != "first")
 
     rows = (
         ("reaction at first", shown_at("first")),
@@ -377,6 +374,15 @@ def _support_text(title: str, curve: CapacityCurve, folder: Path) -> str:
         ("results", f"{folder}/"),
     )
     return "\n".join([title, *(f"  {name:<22} {printable(value)}" for name, value in rows)])
+
+
+def reaction_texts(curve: CapacityCurve) -> dict[str, str]:
+    """First, least, greatest and last reaction, in its unit; what is rounding is zero."""
+    from drystone.common.tolerances import LAST_DIGITS
+
+    sizes = {name: point.reaction for name, point in curve.marked_reactions.items()}
+    rounding = LAST_DIGITS * max(map(abs, sizes.values()))
+    return {name: f"{0.0 if abs(s) <= rounding else s:.6g}" for name, s in sizes.items()}
 
 
 def _limits(beside: Beside) -> str:

@@ -104,18 +104,25 @@ def support_figures(curve: CapacityCurve, model: Model) -> dict[str, Any]:
     from drystone.results.curve import STATIC
 
     settlement = model.settlement
-    least, greatest = (curve.marked_reactions[name] for name in ("least", "greatest"))
     return {
         "support_motion": settlement.words if settlement is not None else "",
+        **reaction_figures(curve),
+        "stands": settlement is not None
+        and curve.points[-1].status == STATIC
+        and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),
+    }
+
+
+def reaction_figures(curve: CapacityCurve) -> dict[str, float]:
+    """What the curve alone knows of them: reactions [N, N m], and at which motion [m, rad]."""
+    least, greatest = (curve.marked_reactions[name] for name in ("least", "greatest"))
+    return {
         "initial_reaction": curve.points[0].reaction,
         "least_reaction": least.reaction,
         "least_reaction_at": least.control_displacement,
         "greatest_reaction": greatest.reaction,
         "greatest_reaction_at": greatest.control_displacement,
         "largest_motion": curve.points[-1].control_displacement,
-        "stands": settlement is not None
-        and curve.points[-1].status == STATIC
-        and curve.points[-1].control_displacement >= settlement.largest * (1.0 - 1e-9),
     }
 
 
