@@ -1,5 +1,6 @@
 """Sentences in several languages: the same keys and fields, nothing that is said past them."""
 
+import ast
 import json
 import pickle
 import re
@@ -32,7 +33,7 @@ from drystone.common.version import package_version
 from drystone.io.modelfile.assessing import AssessmentSection
 from drystone.report.document.report import render
 from drystone.report.viewer.folder import Folder
-from drystone.results.events import Event, EventKind, Outcome
+from drystone.results.events import Event, EventKind, Outcome, named
 from piers import piers
 from sites import TABLES
 
@@ -191,11 +192,41 @@ class TestEnds:
             say("end.no_rest_found", why=say("end.unbalanced", residual=2e-3, n=100)),
             say("end.supports_fall", why=say("end.too_far")),
             say("end.not_in_this_sense", most=0.12),
+            say("end.jump_lost", why=say("end.no_equilibrium", n=50)),
+            say("end.nothing_found", why=say("end.met")),
+            say("end.no_rest_found", why=say("end.too_weak")),
+            say("end.no_rest_found", why=say("end.inexact", residual=1.3e-5, limit=1e-9)),
+            say("end.supports_fall", why=say("end.blocks_left", blocks=named(["a"], "block"))),
+            say("end.cycles", seconds=1e-9, cycles=1.5, most=100_000),
+            say("end.pressed", a="a", b="b", depth=0.01, percent=5.0, most=2.0),
+            say("end.not_at_rest", why=say("end.bonds_break")),
+            say("end.not_whole", results="results.h5", summary="summary.json", n=3, most=4),
+            say("end.too_stiff"),
+            say("end.timeout", seconds=0.5),
         ],
     )
     def test_is_recognised_whole(self, end):
         assert end.in_language("it") != str(end)
         assert spoken_in_italian(said_end(str(end))) == end.in_language("it")
+
+    @pytest.mark.parametrize("package", ["statics", "dynamics", "engines", "control", "analysis"])
+    def test_no_reason_is_a_text_of_the_source(self, package):
+        """Why a step was not solved, or a curve ends, is a saying: no literal is called a reason or
+        given as one."""
+        found = []
+        for path in (ROOT / "src/drystone" / package).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.keyword):
+                    name, value = node.arg, node.value
+                elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+                    name, value = node.targets[0].id, node.value
+                else:
+                    continue
+                words = [part.value for part in ast.walk(value) if isinstance(part, ast.Constant)]
+                text = isinstance(value, ast.Constant | ast.JoinedStr)
+                if name in ("reason", "why") and text and any(words):
+                    found.append((path.name, node.lineno if hasattr(node, "lineno") else 0, words))
+        assert not found
 
     def test_none_holds_the_mark_between_two(self):
         ends = {key: text for key, text in catalogue.templates("en").items() if key[:4] == "end."}

@@ -19,7 +19,7 @@ from drystone.model.model import Model
 #: program tells of the rest.
 PLAUSIBLE_LOAD = 5.0
 
-LOCKED = "the load locks the structure: no multiple of it brings it down"
+LOCKED = say("end.locked")
 
 
 class Plausibility:
@@ -82,12 +82,8 @@ class Plausibility:
     def _crushed(self, penetration: float, contacts: ContactForces) -> str:
         share = penetration / self.size
         a, b = (self.model.assembly.ids[row] for row in _deepest(contacts))
-        return (
-            f'the blocks "{a}" and "{b}" are pressed {penetration:.3g} m into '
-            f"each other, {100.0 * share:.2g} % of the smallest block, where no joint closes by "
-            f"more than {100.0 * self.model.analysis.max_penetration:.2g} %: is something in the "
-            "structure's way, or normal_stiffness too low? ([analysis] max_penetration)"
-        )
+        most = 100.0 * self.model.analysis.max_penetration
+        return say("end.pressed", a=a, b=b, depth=penetration, percent=100.0 * share, most=most)
 
 
 def _plausible_multiplier(model: Model) -> float:

@@ -99,7 +99,7 @@ class Run:
         except KeyboardInterrupt:
             if not self.points:
                 raise
-            return "interrupted", "interrupted by the user"
+            return "interrupted", str(say("end.interrupted"))
         except (EngineError, RecorderError) as error:
             if not self.points:
                 raise
@@ -161,7 +161,7 @@ class Run:
         state, report = solver.start(self._problem)
         report = obeyed(report, solver.capabilities.residual_limit)
         if not report.converged:
-            raise EngineError(f"at rest under its own weight, {report.reason}")
+            raise EngineError(say("end.not_at_rest", why=report.reason))
         plausibility.check(report, 0.0, partial(solver.contacts, state))
         self.notes = solver.notes
         self.settlement = report.control_displacement
@@ -315,7 +315,7 @@ class Run:
             # As asked: the curve is complete.
             return replace(decision, demand=None, reason=reason, finished=True)
         if fallen and model.settlement is not None and not decision.finished:
-            why = f"{named([ids[i] for i in fallen], 'block')} left the structure"
+            why = say("end.blocks_left", blocks=named([ids[i] for i in fallen], "block"))
             reason = say("end.supports_fall", why=why)
             return replace(decision, demand=None, reason=reason, finished=True)
         if model.control_point.block in fallen:
@@ -379,11 +379,7 @@ def obeyed(report: StepReport, limit: float | None) -> StepReport:
     """
     if limit is None or not report.converged or report.residual <= limit:
         return report
-    reason = (
-        f"the step leaves a residual of {report.residual:.1e} heaviest weights, where the engine "
-        f"keeps {limit:.0e}: the joints may be too stiff, or the increments too large, for the "
-        "blocks' weight"
-    )
+    reason = say("end.inexact", residual=float(report.residual), limit=limit)
     return replace(report, converged=False, reason=reason)
 
 

@@ -19,6 +19,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from drystone.common.arrays import Array, IntArray
+from drystone.common.language import say
 from drystone.common.tolerances import BOND_TIE, DUE_TOGETHER, LEAST_INCREMENT, SLIGHT
 from drystone.contact.contacts import A, B
 from drystone.engines.base import StepReport
@@ -33,7 +34,7 @@ Solved = tuple[State, StepReport]
 
 #: Reason of a step that fails because its end is far away, where none of the bonds that are near
 #: their strength at its start is the first to reach it.
-TOO_WEAK = "bonds exceed their strength however short the step"
+TOO_WEAK = say("end.too_weak")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,4 +205,4 @@ class BondSteps(Generic[State]):
             if not report.converged or not len(due):
                 return (new if report.converged else state), report
             begin = self.broken(begin, due)
-        return state, StepReport(converged=False, reason="bonds break without an end")
+        return state, StepReport(converged=False, reason=say("end.bonds_break"))

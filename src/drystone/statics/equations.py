@@ -12,6 +12,7 @@ import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.language import say
 from drystone.contact.contacts import Pairs, Slots
 from drystone.engines.measures import LoadArrays
 from drystone.engines.prepared import Prepared
@@ -22,10 +23,7 @@ from drystone.law.branches import BONDED, OPEN, STICKING
 from drystone.law.columns import BROKEN, COHESION, KN, KS, N_HISTORY, TENSION
 
 #: The reason of a step that fails because rounding hides whether its forces balance.
-TOO_STIFF = (
-    "the joints are too stiff for the blocks' weight: the rounding of a displacement, times their "
-    "stiffness, exceeds the unbalanced force that may be left; lower the joint's stiffness"
-)
+TOO_STIFF = say("end.too_stiff")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,6 +21,7 @@ import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.language import say
 from drystone.common.records import changed
 from drystone.contact.contacts import Pairs
 from drystone.contact.forces import ActedContacts, ContactForces
@@ -360,7 +361,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
         if self._missed(ended, new):
             return state, StepReport(
                 converged=False,
-                reason="blocks meet that were far apart",
+                reason=say("end.met"),
                 n_iterations=outcome.n_iterations,
                 path=StepPath(fold=outcome.path.fold),
             )

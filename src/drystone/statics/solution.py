@@ -14,6 +14,7 @@ import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array
+from drystone.common.language import say
 from drystone.engines.base import TOO_FAR, Fold
 from drystone.law.branches import BONDED
 from drystone.statics.equations import TOO_STIFF
@@ -263,7 +264,7 @@ def _reported(
         fold = Fold(1.0, step.multiplier)
     stable, end, tangent = found or Judged(stable=True)
     if not found:
-        reason = f"no equilibrium within {solver.iterations} iterations"
+        reason = say("end.no_equilibrium", n=solver.iterations)
         if step.residual <= step.accuracy.coarsest < step.enough(moved):
             reason = TOO_STIFF
     elif not moved <= step.accuracy.farthest:

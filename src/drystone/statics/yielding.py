@@ -23,6 +23,7 @@ import numpy as np
 
 from drystone.common import tolerances
 from drystone.common.arrays import Array, IntArray
+from drystone.common.language import say
 from drystone.contact.contacts import INTERCEPT
 from drystone.geometry.motion import rotations
 from drystone.law import softening
@@ -133,7 +134,7 @@ def solve(
         after = strengths.current(law, come.before, found.reached if found else come.reached)
         current = strengths.current(law, history, now)
         fresh = np.where((come.origin < 0)[:, None], after, fresh)
-    return replace(solved, reason="the joints' strengths do not converge as they soften")
+    return replace(solved, reason=say("end.strengths"))
 
 
 class _Come(NamedTuple):

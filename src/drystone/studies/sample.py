@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.language import say
 from drystone.common.version import package_version
 from drystone.io.results.summary import plain
 from drystone.model.construction.errors import ModelError
@@ -229,7 +230,7 @@ def _watch(seconds: float) -> Callable[[Any], None]:
 
     def watch(point: Any) -> None:
         if time.perf_counter() > end:
-            raise RecorderError(f"took longer than the timeout of the study, {seconds:g} s")
+            raise RecorderError(say("end.timeout", seconds=seconds))
 
     return watch
 

@@ -257,8 +257,7 @@ class DistinctEngine(Engine[DistinctState]):
         cycles, most = demand.time_step / work.dt, self.settings.max_cycles
         if not FEWEST_CYCLES <= cycles <= most:
             return state, failed(
-                f"a time step of {demand.time_step:.1e} s is {cycles:.1e} cycles of the distinct "
-                f"engine, which takes from 2 to {most} at a time: choose another time_step",
+                say("end.cycles", seconds=demand.time_step, cycles=cycles, most=most),
                 work,
             )
         n = round(cycles)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from drystone.common.arrays import Array
+from drystone.common.language import say
 from drystone.contact.forces import ContactForces
 from drystone.io.results.checkpoint import CheckpointWriter
 from drystone.io.results.folder import (
@@ -290,7 +291,7 @@ class ResultsDirectory:
 
 def _as_kept(curve: CapacityCurve, n: int) -> CapacityCurve:
     """The points that the disk has taken: all files of a folder are of the same."""
-    lost = f"of {len(curve.points)} points {RESULTS} took the first {n}, and all files have these"
+    lost = say("end.disk_took", most=len(curve.points), results=RESULTS, n=n)
     return replace(curve.first(n), reason=f"{curve.reason}; {lost}")
 
 

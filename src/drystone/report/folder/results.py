@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.common.arrays import Array, IntArray
+from drystone.common.language import say
 from drystone.common.names import Named
 from drystone.contact.forces import ContactForces
 from drystone.io.results.folder import OutputError
@@ -182,7 +183,7 @@ def _curve_of(
         strategy=stored.attribute("strategy"),
         points=points,
         status=status,
-        reason=stored.attribute("reason") if ended else "the run is still going, or was killed",
+        reason=stored.attribute("reason") if ended else str(say("end.running")),
         stop_multiplier=float(stored.attribute("stop_multiplier")),
         blocks_left=left,
         events=events,
@@ -213,10 +214,8 @@ def _ended(curve: CapacityCurve, folder: Path, digest: str) -> CapacityCurve:
         return curve
     if n != len(curve.points):
         status = "stopped"
-        reason = (
-            f"{RESULTS} has {len(curve.points)} points, and {SUMMARY} is of {n}: it was not "
-            "written to its end, trace it again"
-        )
+        files = {"results": RESULTS, "summary": SUMMARY}
+        reason = str(say("end.not_whole", **files, n=len(curve.points), most=n))
     return replace(curve, status=status, reason=reason)
 
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.language import say
 from drystone.contact.contacts import SLOT
 from drystone.engines.base import TOO_FAR, Fold
 from drystone.statics.equations import TOO_STIFF
@@ -26,14 +27,14 @@ from drystone.statics.plane.plane_step import PlaneStep
 from drystone.statics.static_step import StepSolution
 
 #: Reason of a step whose path ends at a fold: no equilibrium lies ahead.
-TURNS_BACK = "the path of equilibria turns back"
+TURNS_BACK = say("end.turns_back")
 #: Reason of a step whose path is not followed to its end.
-MANY_CHANGES = "too many contacts change"
+MANY_CHANGES = say("end.many_changes")
 
 _ENDS = {
     path.FOLDED: TURNS_BACK,
     path.EXHAUSTED: MANY_CHANGES,
-    path.SINGULAR: "a part of the structure is free to move",
+    path.SINGULAR: say("end.free_to_move"),
 }
 
 
@@ -122,7 +123,7 @@ def follow(
             break
         step.evaluate(x, multiplier)
     else:
-        reason = f"no equilibrium within {settings.renewals} iterations"
+        reason = say("end.no_equilibrium", n=settings.renewals)
     fold = Fold(*step.way.fold.tolist())
     return StepSolution(
         increment=step.x.copy(),
