@@ -175,6 +175,20 @@ def test_a_sample_that_ends_its_process_is_told_and_the_study_goes_on(tmp_path):
     assert frame["reason"][dies].str.contains("ended with status 9").all()
 
 
+@pytest.mark.parametrize("name", ["peak_passed", "found_by_a_method", "word"])
+def test_parts_in_which_no_sample_has_a_value_fit_those_in_which_some_have(tmp_path, name):
+    """As where all samples of a part have failed, and a column holds truth values or words."""
+    value = "along" if name == "word" else True
+    parts = tables.Parts(tmp_path)
+    for sample, own in ((0, None), (1, value)):
+        row = {"sample": sample, "status": "finished", "reason": "", name: own, "nothing": None}
+        parts.write([Outcome(row=row)])
+    parts.merge()
+    frame = tables.read_samples(tmp_path)
+    assert frame[name].isna().tolist() == [True, False] and frame[name][1] == value
+    assert frame["nothing"].dtype == float and frame["nothing"].isna().all()
+
+
 def test_parts_become_one_table_in_order(tmp_path, monkeypatch):
     """Whatever the order in which samples came, and with columns that only some have."""
     monkeypatch.setattr(tables, "WINDOW", 7)

@@ -25,7 +25,7 @@ KINDS = (CURVES, FAILURES, SAMPLES)  # the last says that the others are whole
 #: Columns whose type is not that of a number with decimals.
 _WHOLE = ("sample", "seed", "n_points")
 _TEXT = ("status", "reason", "version", "digest", "governing_sense")
-_TRUTH = ("certified", "stands", "satisfied", "satisfied_against")
+_TRUTH = ("certified", "peak_passed", "stands", "satisfied", "satisfied_against")
 
 #: Samples that are put in order at a time: of 1e5 samples 17 MiB less than with four times as many.
 WINDOW = 5_000
@@ -142,7 +142,8 @@ def _type_of(name: str, values: Sequence[Any]) -> Any:
         return arrow.string()
     if name in _TRUTH or any(isinstance(value, bool) for value in values):
         return arrow.bool_()
-    return arrow.float64()
+    # Where no sample of a part has a value, other parts say what it is.
+    return arrow.null() if all(value is None for value in values) else arrow.float64()
 
 
 def _curves(outcomes: Sequence[Outcome]) -> Any:
@@ -185,7 +186,7 @@ def _merged(files: Sequence[_Part], draft: Path, count: int | None) -> None:
     """One table in the order of the samples, of the first so many."""
     arrow, parquet = needed("pyarrow"), needed("pyarrow.parquet")
     schema = arrow.unify_schemas([file.schema for file in files], promote_options="permissive")
-    schema = schema.remove_metadata()
+    schema = _with_values(schema.remove_metadata())
     end = max(file.last for file in files) + 1
     end = end if count is None else min(end, count)
     with parquet.ParquetWriter(draft, schema, compression="zstd") as writer:
@@ -201,6 +202,17 @@ def _merged(files: Sequence[_Part], draft: Path, count: int | None) -> None:
                 whole = arrow.concat_tables(own, promote_options="permissive")
                 order = np.argsort(whole["sample"].to_numpy(), kind="stable")
                 writer.write_table(whole.take(order).cast(schema))
+
+
+def _with_values(schema: Any) -> Any:
+    """The columns of a table; those in which no sample has a value are of numbers."""
+    arrow = needed("pyarrow")
+    return arrow.schema(
+        [
+            arrow.field(own.name, arrow.float64()) if arrow.types.is_null(own.type) else own
+            for own in schema
+        ]
+    )
 
 
 class _Part:
