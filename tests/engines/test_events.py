@@ -310,8 +310,9 @@ class TestWhatMoves:
         curve = traced(watching, falling="stop")
         assert curve.capacity.load_multiplier == pytest.approx(0.2, abs=4e-3)
 
-    def test_python_puts_it_there_as_run_does_and_says_so(self, tmp_path):
-        model = beside(control=None)
+    @pytest.mark.parametrize("falling", ["remove", "stop"])
+    def test_python_puts_it_there_as_run_does_and_says_so(self, tmp_path, falling):
+        model = beside(control=None).with_analysis(falling=falling)
         watching = on_what_moves(model, limits_beside(model))
         curve, known = ds.pushover(model), ds.pushover(watching)
         np.testing.assert_array_equal(curve.load_multiplier, known.load_multiplier)
@@ -331,6 +332,13 @@ class TestWhatMoves:
         seen = []
         curve = ds.pushover(model, progress=seen.append)
         assert len(seen) == len(curve.points) and curve.control_point is model.control_point
+
+    def test_a_curve_that_ends_before_anything_collapses_keeps_its_control_point(self):
+        """It shows no part that falls without it: limit analysis is not asked."""
+        model = beside(control=None)
+        curve = ds.pushover(model, max_displacement=1e-6)
+        assert curve.first_collapse is None and curve.status == "finished"
+        assert curve.control_point is model.control_point
 
     def test_one_that_was_named_stays_and_is_told(self):
         model = beside(control="tall")

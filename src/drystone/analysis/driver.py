@@ -50,10 +50,14 @@ def pushover(
     ----------
     model
         The model; its ``analysis`` gives the settings that are left out here. If the model does not
-        name a control point, and the default one takes no part in the first collapse, the control
-        point is moved to the part that moves in the mechanism of limit analysis. The curve is then
-        traced once more, and its `reason` and `control_point` say so. With a recorder, or with an
-        engine of your own, the control point stays.
+        name a control point, and the default one takes no part in the first collapse, or the curve
+        stops before its end, the control point is moved to the part that moves in the mechanism of
+        limit analysis. The curve is then traced once more, and its `reason` and `control_point` say
+        so. This does not depend on `Analysis.falling`. ``drystone run`` asks limit analysis before
+        it traces the curve. So only a curve that is complete before a part collapses, as at a small
+        ``max_displacement``, may have another control point there. To have that of ``run``, trace
+        `drystone.limit.on_what_moves` (model). With a recorder, with an engine of your own, or with
+        a history of displacements, the control point stays.
     engine
         Name of an engine, or one of your own (see `engines.base.Engine`).
     strategy
