@@ -89,7 +89,8 @@ def test_every_key_is_said_somewhere_and_there_is_none_else():
     source = "\n".join(p.read_text() for p in (ROOT / "src/drystone").rglob("*.py"))
     made = (
         *("reading.", "status.", "named.", "ntc2018_global.", "rocking.", "screen."),
-        *("laboratory.", "laboratory_head."),
+        *("laboratory.", "laboratory_head.", "study.", "study_figure.", "study_column."),
+        *("study_screen.",),
     )
     given = {"named", "status"}  # the noun, and how a run ended, are names
     for key in catalogue.templates("en"):
@@ -203,6 +204,16 @@ class TestEnds:
             say("end.not_whole", results="results.h5", summary="summary.json", n=3, most=4),
             say("end.too_stiff"),
             say("end.timeout", seconds=0.5),
+            say("end.no_verdict", why=say("refused.short", last=0.1, end=0.2)),
+            say("end.does_not_stand", weight=say("end.own_weight"), blocks='"b" (388 mm)'),
+            say(
+                "end.does_not_stand_more",
+                weight=say("end.with_loads_of", stage=1),
+                blocks='"b" (388 mm), "c" (9 mm)',
+                n=2,
+            ),
+            say("end.none_found", weight=say("end.weight_before", stage=1)),
+            say("end.opposite", how=say("refused.not_past", end=0.5, left=0.9, share=0.8)),
         ],
     )
     def test_is_recognised_whole(self, end):
@@ -231,6 +242,13 @@ class TestEnds:
     def test_none_holds_the_mark_between_two(self):
         ends = {key: text for key, text in catalogue.templates("en").items() if key[:4] == "end."}
         assert [key for key, text in ends.items() if "; " in text] == ["end.and"]
+
+    def test_one_with_a_semicolon_of_its_own_is_recognised_between_others(self):
+        refused = say("refused.not_past", end=0.5, left=0.9, share=0.8)
+        assert "; " in refused
+        ends = [say("end.steps", n=9), say("end.no_verdict", why=refused), say("end.runs_away")]
+        told = spoken_in_italian(said_end("; ".join(ends)))
+        assert told == "; ".join(end.in_language("it") for end in ends)
 
     def test_else_it_stays(self):
         with speaking("it"):

@@ -55,7 +55,7 @@ def report(
             from drystone.studies.page import write_page
 
             check_place(path)
-            in_a_sentence(lambda: write_page(folder, path))
+            in_a_sentence(lambda: write_page(folder, path, language=language))
             _tell(path, as_json=as_json, quiet=quiet)
             raise typer.Exit(DONE)
         if files:

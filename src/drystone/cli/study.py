@@ -10,6 +10,7 @@ import typer
 
 from drystone.cli.options import AsJson, Quiet
 from drystone.cli.outcome import DONE, UNFINISHED, emit, outcome, tell
+from drystone.common.language import say, speaking
 
 if TYPE_CHECKING:
     from drystone.studies.running import Progress
@@ -98,6 +99,7 @@ def study(
         from drystone.studies.conduct import conclude, conduct, folder_of, opened
         from drystone.studies.errors import required
         from drystone.studies.read import read_study
+        from drystone.studies.words import language_of
 
         required("pyarrow", "pandas")
         asked = read_study(study_file, model=model, function=function)
@@ -117,7 +119,8 @@ def study(
         if as_json:
             emit({**found, "directory": str(folder)})
         else:
-            typer.echo(report(found, folder))
+            with speaking(language_of(asked.task.model)):
+                typer.echo(report(found, folder))
     raise typer.Exit(DONE if "finished" in found["statuses"] else UNFINISHED)
 
 
@@ -139,6 +142,7 @@ def _aimed(
 ) -> bool:
     """Look for what [target] asks for; whether there is such a value."""
     from drystone.studies.target import aim
+    from drystone.studies.words import language_of, of_sentence
 
     def told(text: str) -> None:
         if not quiet and not as_json:
@@ -148,7 +152,9 @@ def _aimed(
     if as_json:
         emit({**found, "directory": str(folder)})
     else:
-        typer.echo(f"{asked.title}\n  {found['sentence']}\n  {found['n_runs']} runs in {folder}/")
+        with speaking(language_of(asked.task.model)):
+            runs = _said("runs", n=found["n_runs"], folder=str(folder))
+            typer.echo(f"{asked.title}\n  {of_sentence(found)}\n  {runs}")
     return bool(found["status"] == "finished")
 
 
@@ -202,37 +208,38 @@ def state_of(progress: Progress) -> str:
 
 
 def report(found: dict[str, Any], folder: Path) -> str:
-    """The few lines that a person wants to read first."""
+    """The few lines that a person wants to read first, in the language that is spoken."""
     from drystone.model.construction.words import printable
     from drystone.studies.findings import on_peaks
+    from drystone.studies.page import counts_of
+    from drystone.studies.words import of_reason
 
-    lines = [printable(str(found["title"]))]
-    counts = ", ".join(f"{n} {status}" for status, n in found["statuses"].items())
-    lines.append(f"  {'samples':<22} {found['n_samples']} by {found['design']}: {counts}")
+    def row(name: str, value: str) -> str:
+        return f"  {printable(name):<22} {printable(value)}"
+
+    many = found["n_samples"]
+    sampled = _said("sampled", n=many, design=found["design"], counts=counts_of(found))
+    lines = [printable(str(found["title"])), row(_said("samples"), sampled)]
     if found.get("n_certified") is not None:
-        lines.append(f"  {'certified':<22} {found['n_certified']} of {found['n_samples']}")
-    lines += [f"  {'peak':<22} {note}" for note in on_peaks(found)]
-    lines += [f"  {'why not':<22} {n} times: {printable(why)}" for why, n in _reasons(found)]
+        certified = _said("among", n=found["n_certified"], many=many)
+        lines.append(row(_said("certified"), certified))
+    lines += [row(_said("peak"), note) for note in on_peaks(found)]
+    for why, n in _reasons(found):
+        lines.append(row(_said("why_not"), _said("times", n=n, why=of_reason(why))))
     for name in found["effects"]:
-        summary = found["columns"][name]
-        lines.append(
-            f"  {printable(name):<22} median {summary['median']:.5g}, 5 % to 95 % "
-            f"{summary['p05']:.5g} to {summary['p95']:.5g}"
-        )
+        own = found["columns"][name]
+        known = {"median": own["median"], "low": own["p05"], "high": own["p95"]}
+        lines.append(row(name, _said("summary", **known)))
     lines += [line for name, own in (found.get("indices") or {}).items() if own
               for line in _of_indices(printable(name), own["parameters"])]  # fmt: skip
-    for one in found.get("fragility", []):
-        if one.get("median") is not None:
-            lines.append(
-                f"  {printable(one['name']):<22} median {one['median']:.5g} "
-                f"({one['median_confidence'][0]:.5g} to {one['median_confidence'][1]:.5g}), "
-                f"beta {one['beta']:.4g}"
-                + (f", {one['n_left_out']} samples left out" if one.get("n_left_out") else "")
-            )
-        else:
-            lines.append(f"  {printable(one['name']):<22} not fitted: {printable(one['reason'])}")
-    lines.append(f"  {'results':<22} {folder}/")
+    lines += [row(one["name"], _of_fragility(one)) for one in found.get("fragility", [])]
+    lines.append(row(_said("results"), f"{folder}/"))
     return "\n".join(lines)
+
+
+def _said(key: str, **fields: Any) -> str:
+    """A word or sentence, in the language that is spoken."""
+    return say(f"study_screen.{key}", **fields).spoken
 
 
 def _reasons(found: dict[str, Any]) -> list[tuple[str, int]]:
@@ -240,16 +247,28 @@ def _reasons(found: dict[str, Any]) -> list[tuple[str, int]]:
     return sorted(found.get("reasons", {}).items(), key=lambda item: -item[1])[:MOST_REASONS]
 
 
+def _of_fragility(one: dict[str, Any]) -> str:
+    """A fragility curve, or why there is none."""
+    from drystone.studies.words import why_not_fitted, word
+
+    if one.get("median") is None:
+        return word("not_fitted", why=why_not_fitted(one))
+    n = one.get("n_left_out")
+    left_out = _said("left_out", n=n) if n else _said("none_left_out")
+    low, high = one["median_confidence"]
+    known = {"median": one["median"], "low": low, "high": high, "beta": one["beta"]}
+    return _said("fitted", **known, left_out=left_out)
+
+
 def _of_indices(output: str, parameters: dict[str, Any]) -> list[str]:
     """Indices of an output, each with half its 95 % interval."""
     from drystone.model.construction.words import printable
 
-    words = {"first": "first", "total": "total", "mu_star": "mean absolute effect"}
-    lines = [f"  indices of {output}"]
+    lines = [f"  {_said('indices', output=output)}"]
     for name, own in parameters.items():
         told = [
-            f"{words[key]} {own[key]:.3g} ± {own[f'{key}_confidence']:.2g}"
-            for key in words
+            _said("index", what=_said(key), value=own[key], half=own[f"{key}_confidence"])
+            for key in ("first", "total", "mu_star")
             if key in own
         ]
         lines.append(f"    {printable(name):<20} {', '.join(told)}")

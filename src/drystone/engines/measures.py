@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.language import Saying, say
 from drystone.common.tolerances import ACCELERATION_LIMIT, ACROSS_THE_LOAD, LEAST_LOAD, NAMED_MOTION
 from drystone.contact import measures as kernels
 from drystone.contact.contacts import Slots
@@ -16,6 +17,9 @@ from drystone.law.certificate import Certificate
 from drystone.law.columns import DILATION
 from drystone.model.assembly import GRAVITY
 from drystone.model.loading import Acting, dead_words
+
+#: Blocks that a message names, at most.
+NAMED = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,14 +199,16 @@ def _carried(reaction: float, loads: LoadArrays, multiplier: float, excess: floa
     return reaction / loads.total if loads.along.any() else multiplier - max(excess, 0.0)
 
 
-def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> str:
+def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None) -> Saying:
     """The message that blocks move under the dead loads of a stage, or of all; it names the blocks
     that move farthest.  ``motion`` (n,) [m]."""
     ids, weight = problem.assembly.ids, dead_words(problem.dead_loads, stage)
     if not motion.any():
-        return f"no equilibrium under the structure's {weight} was found"
+        return say("end.none_found", weight=weight)
     order = np.argsort(-motion, kind="stable")
     moving = [i for i in order if motion[i] > NAMED_MOTION * motion[order[0]]]
-    named = ", ".join(f'"{ids[i]}" ({1000 * motion[i]:.0f} mm)' for i in moving[:5])
-    more = f" and {len(moving) - 5} more" if len(moving) > 5 else ""
-    return f"the structure does not stand under its {weight}: {named}{more} keep moving"
+    named = ", ".join(f'"{ids[i]}" ({1000 * motion[i]:.0f} mm)' for i in moving[:NAMED])
+    if len(moving) > NAMED:
+        more = len(moving) - NAMED
+        return say("end.does_not_stand_more", weight=weight, blocks=named, n=more)
+    return say("end.does_not_stand", weight=weight, blocks=named)

@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from drystone.common.language import speaking
 from drystone.common.threads import available
 from drystone.common.version import package_version
 from drystone.io.modelfile.named import texts_named
@@ -23,6 +24,7 @@ from drystone.studies.read import read_study
 from drystone.studies.running import Progress, Workers, run
 from drystone.studies.study import Study
 from drystone.studies.tables import CURVES, Parts, read_samples
+from drystone.studies.words import language_of
 
 STUDY = "study.json"
 
@@ -250,7 +252,8 @@ def conclude(asked: Study, folder: Path, *, figures: bool = True) -> dict[str, A
     if figures:
         from drystone.studies.figures import draw_all
 
-        drawn = draw_all(asked, folder, found)
+        with speaking(language_of(asked.task.model)):
+            drawn = draw_all(asked.title, folder, found)
     held = record_of(folder) or {}
     kept: dict[str, Any] = {key: held[key] for key in ("rate", "run_seconds") if key in held}
     write_record(asked, folder, {**kept, "status": "finished", **found, "figures": drawn})

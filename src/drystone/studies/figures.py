@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.language import number
 from drystone.io.results.folder import in_a_sentence, whole_file
 from drystone.report import canvas
-from drystone.report.curve_figure import DISPLACEMENT, MULTIPLIER
 from drystone.studies.study import Study
 from drystone.studies.tables import column_names, read_samples, some_curves
+from drystone.studies.words import in_figure, of_column, of_sentence
 
 #: Curves that bands are made of, and those that are drawn one by one.
 MOST_CURVES, DRAWN = 4000, 60
@@ -28,52 +29,39 @@ _HATCH = "////"
 _STYLES = ("-", "--", "-.", ":")
 #: Letters of a line of a title.
 _LINE = 72
-#: Columns by their words and units, where there are any.
-_WORDS = {
-    "peak_multiplier": "peak multiplier [-]",
-    "peak_multiplier_against": "peak multiplier against the load [-]",
-    "capacity_multiplier_against": "multiplier before collapse, against the load [-]",
-    "ultimate_displacement": "ultimate displacement [m]",
-    "capacity_multiplier": "multiplier before collapse [-]",
-    "limit_associative": "limit analysis, associative [-]",
-    "limit_non_associative": "limit analysis, non-associative [-]",
-    "safety_index": "safety index [-]",
-    "safety_index_against": "safety index against the load [-]",
-    "governing_safety_index": "governing safety index [-]",
-    "least_reaction": "least reaction [N, N m]",
-    "greatest_reaction": "greatest reaction [N, N m]",
-    "largest_motion": "motion of the supports [m, rad]",
-}
-#: Units of the columns that begin so, and end with a limit state where there is one.
-_OF_STATES = {
-    "ground_acceleration_capacity": "m/s²",
-    "activation_acceleration": "m/s²",
-    "displacement_demand": "m",
-    "limit_displacement": "m",
-    "safety_index": "-",
-}
 
 
-def draw_all(asked: Study, folder: Path, found: Mapping[str, Any]) -> list[str]:
-    """Write all figures that a study has; their names."""
+def draw_all(
+    title: str, folder: Path, found: Mapping[str, Any], into: Path | None = None
+) -> list[str]:
+    """Write all figures that a study has, in the language that is spoken; their names.
+
+    Parameters
+    ----------
+    folder
+        Of the study, whose tables are drawn.
+    into
+        Where the figures are written, by default there.
+    """
     drawn: list[str] = []
+    to = into or folder
 
     def draw(name: str, make: Callable[[], Any]) -> None:
         figure = make()
         if figure is None:
-            (folder / name).unlink(missing_ok=True)
+            (to / name).unlink(missing_ok=True)
             return
-        with whole_file(folder / name) as draft:
+        with whole_file(to / name) as draft:
             canvas.save(figure, draft)
         drawn.append(name)
 
     def files() -> None:
-        draw("bands.png", lambda: bands(folder, asked.title))
-        draw("tornado.png", lambda: tornado(found, asked.title))
-        draw("indices.png", lambda: indices(found, asked.title))
-        draw("scatter.png", lambda: scatter(folder, asked.title))
-        draw("fragility.png", lambda: fragility(folder, found, asked.title))
-        draw("convergence.png", lambda: convergence(found, asked.title))
+        draw("bands.png", lambda: bands(folder, title))
+        draw("tornado.png", lambda: tornado(found, title))
+        draw("indices.png", lambda: indices(found, title))
+        draw("scatter.png", lambda: scatter(folder, title))
+        draw("fragility.png", lambda: fragility(folder, found, title))
+        draw("convergence.png", lambda: convergence(found, title))
 
     in_a_sentence(files)
     return drawn
@@ -111,15 +99,15 @@ def bands(folder: Path, title: str) -> Any:
         axes.plot(d, m, color=canvas.FAINT, lw=0.4, alpha=0.5)
     if len(displacement) > 2:
         at, (low, middle, high) = bands_of(displacement, multiplier)
-        of = f"{len(displacement):,}"
-        axes.fill_between(at, low, high, color=_BLUE, alpha=0.22, lw=0, label="5 % to 95 %")
-        axes.plot(at, middle, color=_BLUE, lw=1.8, label=f"median of {of} curves")
+        of = in_figure("median_of", n=len(displacement))
+        axes.fill_between(at, low, high, color=_BLUE, alpha=0.22, lw=0, label=in_figure("within"))
+        axes.plot(at, middle, color=_BLUE, lw=1.8, label=of)
         axes.set_xlim(0.0, at[-1])
         axes.legend(fontsize=9, frameon=False)
     axes.set_ylim(bottom=min(0.0, float(np.quantile(multiplier, 0.01))))
     moved = "least_reaction" in column_names(folder)
-    axes.set_xlabel(_words("largest_motion") if moved else f"{DISPLACEMENT} [m]")
-    axes.set_ylabel("reaction over the weight [-]" if moved else MULTIPLIER)
+    axes.set_xlabel(of_column("largest_motion") if moved else in_figure("displacement"))
+    axes.set_ylabel(in_figure("reaction" if moved else "multiplier"))
     _titled(axes, title)
     return figure
 
@@ -134,6 +122,7 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
     figure = canvas.new_figure(7.5, (1.0 + 0.45 * rows) * len(shown) + 0.4)
     for k, (name, own) in enumerate(shown, start=1):
         axes = figure.add_subplot(len(shown), 1, k)
+        canvas.plain_axes(axes)  # before its ticks get names
         ordered = sorted(own.items(), key=lambda item: abs(item[1]["high"] - item[1]["low"]))
         middle = found["columns"][name]["mean"]
         for y, (_, one) in enumerate(ordered):
@@ -153,16 +142,15 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
                 )
                 right = one[key] >= middle
                 axes.annotate(
-                    f"{one[f'{key}_value']:.4g}", (one[key], at), fontsize=7.5, va="center",
+                    number(one[f"{key}_value"]), (one[key], at), fontsize=7.5, va="center",
                     ha="left" if right else "right", xytext=(3 if right else -3, 0),
                     textcoords="offset points",
                 )  # fmt: skip
         axes.axvline(middle, color=canvas.INK, lw=0.8)
         axes.set_yticks(range(len(ordered)), [canvas.literal(label) for label, _ in ordered])
         axes.margins(x=0.12)
-        axes.set_xlabel(f"mean {_words(name)}", fontsize=9)
-        canvas.plain_axes(axes)
-    about = "means where a parameter is in its lowest (blue) and highest (red, hatched) tenth"
+        axes.set_xlabel(in_figure("mean_of", column=of_column(name)), fontsize=9)
+    about = in_figure("tenths")
     figure.suptitle(f"{_title(title)}\n{about}", fontsize=10)
     return figure
 
@@ -176,6 +164,7 @@ def indices(found: Mapping[str, Any], title: str) -> Any:
     figure = canvas.new_figure(7.5, 2.6 * len(shown) + 0.4)
     for k, (name, own) in enumerate(shown, start=1):
         axes = figure.add_subplot(len(shown), 1, k)
+        canvas.plain_axes(axes)  # before its ticks get names
         names = list(own["parameters"])
         rows = list(own["parameters"].values())
         place = np.arange(len(names), dtype=float)
@@ -184,20 +173,20 @@ def indices(found: Mapping[str, Any], title: str) -> Any:
         for offset, (key, colour) in enumerate(zip(keys, (_BLUE, _RED), strict=False)):
             values = [row[key] for row in rows]
             errors = [row[f"{key}_confidence"] for row in rows]
-            label = {"first": "first order", "total": "total", "mu_star": "mean absolute effect"}
-            axes.bar(place + 0.36 * offset, values, width=0.34, color=colour, label=label[key],
-                     hatch=_HATCH if offset else None, edgecolor="white", lw=0,
+            label = {"first": "first_order", "total": "total", "mu_star": "mean_effect"}[key]
+            axes.bar(place + 0.36 * offset, values, width=0.34, color=colour,
+                     label=in_figure(label), hatch=_HATCH if offset else None,
+                     edgecolor="white", lw=0,
                      yerr=errors, error_kw={"lw": 1.0, "capsize": 3})  # fmt: skip
         if not sobol:
             axes.plot(
-                place, [row["sigma"] for row in rows], "D", color=_RED, label="deviation of effects"
+                place, [row["sigma"] for row in rows], "D", color=_RED, label=in_figure("deviation")
             )
         axes.set_xticks(place + (0.18 if sobol else 0.0), list(map(canvas.literal, names)))
-        what = "index" if sobol else "effect over the range"
-        axes.set_ylabel(f"{what}:\n{_words(name)}", fontsize=9)
+        what = in_figure("index" if sobol else "effect")
+        axes.set_ylabel(f"{what}:\n{of_column(name)}", fontsize=9)
         axes.legend(fontsize=8, frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0))
-        canvas.plain_axes(axes)
-    figure.suptitle(f"{_title(title)}\nbars: 95 % confidence", fontsize=11)
+    figure.suptitle(f"{_title(title)}\n{in_figure('bars')}", fontsize=11)
     return figure
 
 
@@ -215,8 +204,8 @@ def scatter(folder: Path, title: str) -> Any:
     axes = figure.add_subplot()
     axes.plot(frame["ultimate_displacement"], frame["peak_multiplier"], "o", ms=3,
               color=_BLUE, alpha=0.8 if len(frame) < 400 else 0.35, mew=0)  # fmt: skip
-    axes.set_xlabel("ultimate displacement [m]")
-    axes.set_ylabel("peak multiplier")
+    axes.set_xlabel(of_column("ultimate_displacement"))
+    axes.set_ylabel(of_column("peak_multiplier"))
     _titled(axes, title)
     return figure
 
@@ -233,7 +222,7 @@ def fragility(folder: Path, found: Mapping[str, Any], title: str) -> Any:
     for one, colour, style in zip(told, canvas.CURVE_COLOURS, cycle(_STYLES), strict=False):
         median, beta = one["median"], one["beta"]
         at = np.geomspace(median * np.exp(-3.2 * beta), median * np.exp(3.2 * beta), 300)
-        label = f"{one['name']}: median {median:.4g}, β {beta:.3g}"
+        label = in_figure("fitted", name=one["name"], median=median, beta=beta)
         axes.plot(at, norm.cdf(np.log(at / median) / beta), style, color=colour, lw=1.6,
                   label=canvas.literal(label))  # fmt: skip
         edges = [
@@ -254,9 +243,9 @@ def fragility(folder: Path, found: Mapping[str, Any], title: str) -> Any:
     axes.set_ylim(0.0, 1.0)
     axes.set_xlim(left=0.0)
     axes.set_xlabel(
-        ", ".join(_words(name) for name in dict.fromkeys(o["columns"][0] for o in told))
+        ", ".join(of_column(name) for name in dict.fromkeys(o["columns"][0] for o in told))
     )
-    axes.set_ylabel("probability that the limit is exceeded")
+    axes.set_ylabel(in_figure("probability"))
     axes.legend(fontsize=8.5, frameon=False)
     _titled(axes, title)
     return figure
@@ -272,17 +261,18 @@ def convergence(found: Mapping[str, Any], title: str) -> Any:
         axes = figure.add_subplot(len(told), 1, k)
         n, mean, error = (np.array(own[key], float) for key in ("n", "mean", "error"))
         axes.fill_between(n, mean - 1.96 * error, mean + 1.96 * error, color=_BLUE, alpha=0.25,
-                          lw=0, label="95 % interval of the mean")  # fmt: skip
-        axes.plot(n, mean, color=_BLUE, lw=1.5, label="mean")
+                          lw=0, label=in_figure("mean_interval"))  # fmt: skip
+        axes.plot(n, mean, color=_BLUE, lw=1.5, label=in_figure("mean"))
         for key, style in (("p05", "--"), ("median", "-."), ("p95", "--")):
-            label = {"p05": "5 % and 95 %", "median": "median"}.get(key)
+            label = {"p05": in_figure("ends"), "median": in_figure("median")}.get(key)
             axes.plot(n, own[key], style, color=canvas.INK, lw=1.0, label=label)
         axes.set_xscale("log")
+        canvas.speak_ticks(axes)
         for set_format in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
-            set_format("{x:,.0f}")
-        axes.set_ylabel(_words(name), fontsize=9)
+            set_format("{x:.0f}")
+        axes.set_ylabel(of_column(name), fontsize=9)
         if k == len(told):
-            axes.set_xlabel("samples")
+            axes.set_xlabel(in_figure("samples"))
         if k == 1:
             axes.legend(
                 fontsize=8, frameon=False, ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0)
@@ -294,20 +284,29 @@ def convergence(found: Mapping[str, Any], title: str) -> Any:
     return figure
 
 
-def target(asked: Study, found: Mapping[str, Any], folder: Path) -> None:
-    """Runs of a search, and the value that was looked for: ``target.png``."""
-    assert asked.target is not None
+def target(aim: Mapping[str, Any], name: str, found: Mapping[str, Any], folder: Path) -> None:
+    """Runs of a search, and the value that was looked for: ``target.png``.
+
+    Parameters
+    ----------
+    aim
+        Keys of [target].
+    name
+        Of its parameter.
+    found
+        What the search says.
+    """
     figure = canvas.new_figure(6.6, 4.4)
     axes = figure.add_subplot()
     if found["curve"]:
         x, y = np.array(found["curve"], dtype=float).T
-        axes.plot(x, y, "o", color=_BLUE, ms=4, label="runs")
+        axes.plot(x, y, "o", color=_BLUE, ms=4, label=in_figure("runs"))
         a, b = found.get("jump_at") or (np.inf, np.inf)
         for side in (x <= a, x >= b):
             axes.plot(x[side], y[side], color=_BLUE, lw=1.0)
         if np.isfinite(a):
-            axes.axvline(0.5 * (a + b), color=canvas.INK, lw=0.8, ls=":", label="jump")
-    axes.axhline(asked.target["value"], color=_RED, lw=1.0, ls="--", label="target")
+            axes.axvline(0.5 * (a + b), color=canvas.INK, lw=0.8, ls=":", label=in_figure("jump"))
+    axes.axhline(aim["value"], color=_RED, lw=1.0, ls="--", label=in_figure("sought"))
     if found["value"] is not None:
         axes.plot(
             [found["value"]],
@@ -317,12 +316,12 @@ def target(asked: Study, found: Mapping[str, Any], folder: Path) -> None:
             ms=7,
             mfc="none",
             mew=1.5,
-            label="answer",
+            label=in_figure("answer"),
         )
-    axes.set_xlabel(canvas.literal(asked.task.names[0]))
-    axes.set_ylabel(_words(asked.target["output"]))
+    axes.set_xlabel(canvas.literal(name))
+    axes.set_ylabel(of_column(aim["output"]))
     axes.legend(fontsize=9, frameon=False)
-    _titled(axes, found["sentence"])
+    _titled(axes, of_sentence(found) or "")
     with whole_file(folder / "target.png") as draft:
         canvas.save(figure, draft)
 
@@ -340,31 +339,19 @@ def target_map(asked: Study, grid: tuple[Array, Array, Array], folder: Path) -> 
     figure = canvas.new_figure(6.8, 5.0)
     axes = figure.add_subplot()
     filled = axes.contourf(x, y, np.ma.masked_invalid(z), levels=14, cmap="viridis")
-    figure.colorbar(filled, label=_words(asked.target["output"]))
+    figure.colorbar(filled, label=of_column(asked.target["output"]))
     value = asked.target["value"]
     if np.nanmin(z) < value < np.nanmax(z):
         line = axes.contour(
             x, y, np.ma.masked_invalid(z), levels=[value], colors="white", linewidths=2.0
         )
-        axes.clabel(line, fmt=f"{value:g}", fontsize=9)
+        axes.clabel(line, fmt=number(value, "g"), fontsize=9)
     axes.plot(x.ravel(), y.ravel(), ".", color="white", ms=2.5, alpha=0.7)
     axes.set_xlabel(canvas.literal(asked.task.names[0]))
     axes.set_ylabel(canvas.literal(asked.task.names[1]))
     axes.set_title(_title(asked.title), fontsize=11)
     with whole_file(folder / "target.png") as draft:
         canvas.save(figure, draft)
-
-
-def _words(column: str) -> str:
-    """What a column is, with its unit; the name of one that others have named."""
-    if column in _WORDS:
-        return _WORDS[column]
-    for name, unit in _OF_STATES.items():
-        if column.startswith(name):
-            parts = (name, column.removeprefix(name))
-            words = ", ".join(filter(None, (part.replace("_", " ").strip() for part in parts)))
-            return canvas.literal(f"{words} [{unit}]")
-    return canvas.literal(column)
 
 
 def _title(text: str) -> str:

@@ -15,6 +15,7 @@ from drystone.studies.errors import needed
 from drystone.studies.fragility import fitted
 from drystone.studies.study import ABOUT, Study
 from drystone.studies.tables import column_names, read_samples
+from drystone.studies.words import word
 
 #: Columns that indices and effects are told of; of a function all.
 MAIN = (
@@ -52,18 +53,13 @@ def findings(asked: Study, folder: Path) -> dict[str, Any]:
 
 
 def on_peaks(found: Mapping[str, Any]) -> list[str]:
-    """Sentences where the greatest multiplier of samples is not the one that their structure
-    bears."""
+    """Sentences, in the language that is spoken, where the greatest multiplier of samples is not
+    the one that their structure bears."""
     many, said = found.get("n_samples"), []
     if number := found.get("n_peaks_not_passed"):
-        said.append(
-            f"not passed in {number} of {many}: there peak_multiplier is the highest so far"
-        )
+        said.append(word("not_passed", n=number, many=many))
     if number := found.get("n_peaks_after_collapse"):
-        said.append(
-            f"after a part has collapsed in {number} of {many}: there peak_multiplier is that of "
-            "what is left, capacity_multiplier that of the whole structure"
-        )
+        said.append(word("after_collapse", n=number, many=many))
     return said
 
 

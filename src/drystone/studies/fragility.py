@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray
+from drystone.common.language import Saying, say
 from drystone.studies.errors import StudyError
 
 #: Level of the intervals, and resamples where they are by bootstrap.
@@ -65,13 +66,13 @@ def of_stripes(intensity: Array, exceeded: BoolArray) -> dict[str, Any]:
         return -float(failed @ log_ndtr(z) + (tried - failed) @ log_ndtr(-z))
 
     if not 0.0 < failed.sum() < tried.sum():
-        raise StudyError(["no run exceeds the threshold, or all do: take other intensities"])
+        raise StudyError([say("study.one_sided")])
     begin = np.array([np.average(logs, weights=tried), math.log(0.4)])
     found = minimize(
         unlikely, begin, method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12}
     )
     if not np.isfinite(found.x).all() or not -8.0 < found.x[1] < 4.0:
-        raise StudyError(["the stripes leave beta open: take intensities closer to the median"])
+        raise StudyError([say("study.open_beta")])
     sigma = np.sqrt(np.diag(np.linalg.inv(_hessian(unlikely, found.x))))
     z = float(ndtri(0.5 + 0.5 * LEVEL))
     mean, log_beta = map(float, found.x)
@@ -113,7 +114,7 @@ def of_cloud(intensity: Array, demand: Array, threshold: float, seed: int) -> di
         return middle, deviation / np.abs(slope), slope
 
     if not np.ptp(x) > 0.0:
-        raise StudyError(["a cloud needs several intensities: give the parameter a range"])
+        raise StudyError([say("study.one_intensity")])
     middle, beta, slope = fitted(np.arange(n))
     again = np.random.default_rng(seed).integers(n, size=(RESAMPLES, n))
     middles, betas, _ = fitted(again)
@@ -145,7 +146,7 @@ def fitted(one: Mapping[str, Any], frame: Any, seed: int) -> dict[str, Any]:
     }
     missing = [name for name in names if name not in frame]
     if missing:
-        return {**told, "reason": f'there is no column "{missing[0]}"'}
+        return {**told, **_not_fitted(say("study.no_column", name=missing[0]))}
     numbers = [frame[name].to_numpy(dtype=float, na_value=np.nan) for name in names]
     known = np.logical_and.reduce([np.isfinite(column) for column in numbers])
     if method != "stripes":
@@ -153,7 +154,7 @@ def fitted(one: Mapping[str, Any], frame: Any, seed: int) -> dict[str, Any]:
     numbers = [column[known] for column in numbers]
     told["n_left_out"] = int((~known).sum())
     if known.sum() < 5:
-        return {**told, "reason": "fewer than five samples have a number"}
+        return {**told, **_not_fitted(say("study.few"))}
     try:
         if method == "capacity":
             return {**told, **of_capacities(numbers[0])}
@@ -163,7 +164,13 @@ def fitted(one: Mapping[str, Any], frame: Any, seed: int) -> dict[str, Any]:
         exceeded = above if one["exceeded"] == "above" else ~above
         return {**told, **of_stripes(numbers[0], exceeded)}
     except StudyError as error:
-        return {**told, "reason": str(error)}
+        return {**told, **_not_fitted(*error.problems)}
+
+
+def _not_fitted(why: str) -> dict[str, Any]:
+    """Why there is no curve, in English and so that it can be said in every language."""
+    said = why.as_dict() if isinstance(why, Saying) else None
+    return {"reason": str(why), "said": said}
 
 
 def _fit(

@@ -3,84 +3,129 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+from drystone.common.language import current, number, speaking
 from drystone.io.results.folder import whole_file
 from drystone.report.canvas import image
 from drystone.report.document.template import template
 from drystone.studies.conduct import record_of
 from drystone.studies.findings import on_peaks
+from drystone.studies.words import (
+    SEARCHED,
+    in_figure,
+    language_of,
+    of_reason,
+    of_sentence,
+    of_status,
+    why_not_fitted,
+    word,
+)
 
-#: Figures with what they show.
-FIGURES = {
-    "target.png": "runs of the search, and the value looked for",
-    "bands.png": "curves: median, 5 % to 95 %, and some of them",
-    "tornado.png": "effect of each parameter",
-    "indices.png": "indices with 95 % confidence",
-    "scatter.png": "peak and ultimate displacement",
-    "fragility.png": "fragility with 95 % confidence",
-    "convergence.png": "estimates with more and more samples",
-}
-_INTERVAL = "± 95 %"
+#: Figures; what they show is ``study_figure`` of the languages.
+FIGURES = ("target", "bands", "tornado", "indices", "scatter", "fragility", "convergence")
 _QUANTILES = ("mean", "std", "least", "p05", "median", "p95", "greatest")
+#: Heads of tables, see ``study`` of the languages.
+_RESULTS = ("mean", "deviation", "least", "p05", "median", "p95", "greatest")
+_EFFECTS = ("parameter", "low", "mean_there", "high", "mean_there", "rank")
+_FRAGILITY = ("method", "n_samples", "left_out", "median", "p95", "beta", "p95")
 
 
-def write_page(folder: Path, path: Path) -> None:
-    """Write the page of a study's folder; whole or not at all."""
-    text = render(record_of(folder) or {}, folder)
+def write_page(folder: Path, path: Path, *, language: str | None = None) -> None:
+    """Write the page of a study's folder; whole or not at all.
+
+    Parameters
+    ----------
+    language
+        One of `drystone.common.language.LANGUAGES`; by default what the model asks for.
+    """
+    text = render(record_of(folder) or {}, folder, language=language)
     with whole_file(path) as draft:
         draft.write_text(text, encoding="utf-8")
 
 
-def render(record: Mapping[str, Any], folder: Path) -> str:
+def render(record: Mapping[str, Any], folder: Path, *, language: str | None = None) -> str:
     """The page as text."""
+    drawn = language_of((record.get("study") or {}).get("model"))
+    with speaking(language or drawn), TemporaryDirectory() as again:
+        figures = folder if current() == drawn else _drawn(record, folder, Path(again))
+        return _rendered(record, figures)
+
+
+def _drawn(record: Mapping[str, Any], folder: Path, into: Path) -> Path:
+    """A folder with the figures of a study in the language that is spoken."""
+    from drystone.studies.figures import draw_all, target
+
+    if "curve" in record:  # of a search
+        target(record["study"]["target"], record["parameters"][0], record, into)
+    elif "effects" in record:
+        draw_all(record["title"], folder, record, into)
+    for name in FIGURES:  # the map of two parameters stays as it is
+        file = folder / f"{name}.png"
+        if file.is_file() and not (into / file.name).is_file():
+            shutil.copy(file, into)
+    return into
+
+
+def _rendered(record: Mapping[str, Any], folder: Path) -> str:
+    """The page in the language that is spoken, with the figures of a folder."""
     style = resources.files("drystone.report.document") / "templates" / "report.css"
+    status = record.get("status")
     return template("drystone.studies", "study.html.j2").render(
+        language=current(),
+        word=word,
         title=record.get("title", ""),
-        status=record.get("status", "unknown"),
-        sentence=record.get("sentence"),
+        unfinished=None if status in SEARCHED else of_status(status) if status else word("unknown"),
+        sentence=of_sentence(record),
         style=style.read_text(encoding="utf-8"),
         facts=_facts(record),
-        reasons=list((record.get("reasons") or {}).items()),
+        reasons=[(of_reason(why), n) for why, n in (record.get("reasons") or {}).items()],
         tables=list(_tables(record)),
         figures=[
-            (what, image((folder / name).read_bytes(), what, "png"))
-            for name, what in FIGURES.items()
-            if (folder / name).is_file()
+            (in_figure(name), image((folder / f"{name}.png").read_bytes(), in_figure(name), "png"))
+            for name in FIGURES
+            if (folder / f"{name}.png").is_file()
         ],
         study=json.dumps(record.get("study", {}), indent=2, ensure_ascii=False),
     )  # fmt: skip
 
 
+def counts_of(record: Mapping[str, Any]) -> str:
+    """How many samples have which status."""
+    known = record.get("statuses") or {}
+    return ", ".join(word("count", n=n, status=of_status(status)) for status, n in known.items())
+
+
 def _facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
-    counts = ", ".join(f"{n} {status}" for status, n in (record.get("statuses") or {}).items())
-    runs = record.get("n_runs")
+    counts, n, runs = counts_of(record), record.get("n_samples"), record.get("n_runs")
     found = [
-        ("design", f"{record.get('design')}, seed {record.get('seed')}"),
-        ("samples", f"{record.get('n_samples')}: {counts}" if counts else f"{runs} runs"),
+        ("design", word("designed", design=str(record.get("design")), seed=record.get("seed"))),
+        ("n_samples", word("counted", n=n, counts=counts) if counts else word("runs", n=runs)),
         ("parameters", ", ".join(record.get("parameters", []))),
         ("outputs", ", ".join(record.get("outputs", []))),
         ("version", str(record.get("version"))),
         ("fingerprint", str(record.get("fingerprint"))),
     ]  # fmt: skip
     if record.get("n_certified") is not None:
-        within = f"{record['n_certified']} complete, every point at rest within its engine's bound"
-        found.insert(2, ("certified", within))
-    return found + [("peak", note) for note in on_peaks(record)]
+        found.insert(2, ("certified", word("within", n=record["n_certified"])))
+    found += [("peak", note) for note in on_peaks(record)]
+    return [(word(name), value) for name, value in found]
+
+
+def _head(*keys: str) -> list[str]:
+    return [word(key) if key else "" for key in keys]
 
 
 def _tables(record: Mapping[str, Any]) -> Any:
     """Heading, head and rows of each table."""
     if columns := record.get("columns"):
         rows = [[name, *(_number(own[key]) for key in _QUANTILES)] for name, own in columns.items()]
-        yield (
-            "Results",
-            ("", "mean", "deviation", "least", "5 %", "median", "95 %", "greatest"),
-            rows,
-        )
+        yield word("results"), _head("", *_RESULTS), rows
     for output, own in (record.get("effects") or {}).items():
         rows = [
             [name, *(_number(one[key]) for key in
@@ -88,15 +133,7 @@ def _tables(record: Mapping[str, Any]) -> Any:
             for name, one in own.items()
         ]  # fmt: skip
         if rows:
-            head = (
-                "parameter",
-                "low at",
-                "mean there",
-                "high at",
-                "mean there",
-                "rank correlation",
-            )
-            yield f"Effects on {output}", head, rows
+            yield word("effects", output=output), _head(*_EFFECTS), rows
     for output, own in (record.get("indices") or {}).items():
         if own:
             keys = list(next(iter(own["parameters"].values())))
@@ -104,28 +141,42 @@ def _tables(record: Mapping[str, Any]) -> Any:
                 [name, *(_number(one[key]) for key in keys)]
                 for name, one in own["parameters"].items()
             ]
-            yield f"Indices of {output}", ("parameter", *map(_index_words, keys)), rows
+            head = _head("parameter", *map(_index_key, keys))
+            yield word("indices", output=output), head, rows
         if own and own.get("second"):
-            rows = [[f"{a} with {b}", _number(s), _number(c)] for a, b, s, c in own["second"]]
-            yield f"Second-order indices of {output}", ("parameters", "second", _INTERVAL), rows
-    told = [one for one in record.get("fragility") or [] if one.get("median") is not None]
-    if told:
-        rows = [
-            [one["name"], one["method"], one["n"], _number(one["median"]),
-             _pair(one["median_confidence"]), _number(one["beta"]), _pair(one["beta_confidence"])]
-            for one in told
-        ]  # fmt: skip
-        yield "Fragility", ("", "method", "samples", "median", "95 %", "beta", "95 %"), rows
+            rows = [
+                [word("pair", a=a, b=b), _number(s), _number(c)] for a, b, s, c in own["second"]
+            ]
+            head = _head("parameters", "second", "interval")
+            yield word("second_order", output=output), head, rows
+    if curves := record.get("fragility"):
+        yield word("fragility"), _head("", *_FRAGILITY), [_fragility(one) for one in curves]
 
 
-def _index_words(key: str) -> str:
-    """A column of indices; one of a confidence holds half the interval of the one before."""
-    return _INTERVAL if key.endswith("_confidence") else key.replace("mu_star", "mean absolute")
+def _fragility(one: Mapping[str, Any]) -> list[str]:
+    """The row of a fragility curve, or of why there is none."""
+    begun = [one["name"], one["method"]]
+    if one.get("median") is None:
+        why = word("not_fitted", why=why_not_fitted(one))
+        return [*begun, why, _number(one.get("n_left_out")), *[""] * 4]
+    return [
+        *begun, str(one["n"]), _number(one.get("n_left_out")), _number(one["median"]),
+        _pair(one["median_confidence"]), _number(one["beta"]), _pair(one["beta_confidence"]),
+    ]  # fmt: skip
+
+
+def _index_key(key: str) -> str:
+    """The word of a column of indices; one of a confidence holds half the interval of the one
+    before."""
+    return "interval" if key.endswith("_confidence") else key
 
 
 def _number(value: Any) -> str:
-    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return number(value, ".5g")
+    return "" if value is None else str(value)
 
 
 def _pair(values: Any) -> str:
-    return " to ".join(map(_number, values))
+    low, high = map(_number, values)
+    return word("between", low=low, high=high)

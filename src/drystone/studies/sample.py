@@ -285,7 +285,7 @@ def _judged(task: Task, model: Any, curve: Any) -> dict[str, Any]:
     try:
         verdict = curve.assess(model)
     except AssessmentError as error:
-        return {"why": f"no verdict: {reason_of(error)}"}
+        return {"why": say("end.no_verdict", why=reason_of(error))}
     found = {"why": "", **_of_verdict(verdict)}
     return found | _of_senses(task, model, verdict) if "senses" in task.outputs else found
 
@@ -326,7 +326,7 @@ def _of_senses(task: Task, model: Any, along: Any) -> dict[str, Any]:
         curve = _traced(task, turned)
         against = curve.assess(turned)
     except (AssessmentError, EngineError, ModelError, ValueError) as error:
-        return {"why": f"{OPPOSITE}: {reason_of(error)}"}
+        return {"why": say("end.opposite", how=reason_of(error))}
     own = {
         "peak_multiplier": curve.peak.load_multiplier,
         "capacity_multiplier": curve.capacity.load_multiplier,
@@ -334,7 +334,7 @@ def _of_senses(task: Task, model: Any, along: Any) -> dict[str, Any]:
     }
     opposite_governs = severity(against) < severity(along)
     return {
-        "why": "" if curve.status == "finished" else f"{OPPOSITE}: {curve.status}, {curve.reason}",
+        "why": "" if curve.status == "finished" else say("end.opposite", how=curve.reason),
         "governing_sense": OPPOSITE if opposite_governs else FORWARD,
         "governing_safety_index": (against if opposite_governs else along).safety_index,
         **{f"{name}_against": value for name, value in own.items()},

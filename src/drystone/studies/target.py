@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.language import Saying, said_end, say, speaking
 from drystone.common.names import quoted, suggestion
 from drystone.io.results.folder import in_a_sentence, locked
 from drystone.studies.distributions import Uniform
@@ -23,6 +24,7 @@ from drystone.studies.errors import StudyError, needed
 from drystone.studies.sample import FAILED, compute, is_missing
 from drystone.studies.study import Study
 from drystone.studies.tables import read_samples
+from drystone.studies.words import language_of
 
 RUNS = "runs.parquet"
 #: Shares of the range that are tried, one row after the other, until two of them lie on either
@@ -158,7 +160,9 @@ def aim(
         if figures:
             from drystone.studies.figures import target as draw
 
-            in_a_sentence(lambda: draw(asked, found, folder))
+            aimed = asked.target
+            with speaking(language_of(asked.task.model)):
+                in_a_sentence(lambda: draw(aimed, asked.task.names[0], found, folder))
         write_record(asked, folder, found)
     return found
 
@@ -174,27 +178,20 @@ def _searched(asked: Study, runs: Runs) -> dict[str, Any]:
             return _none(runs, name, output, value, low, high)
         root = _root(runs, bracket, value, target["tolerance"], high - low)
     except TooManyRunsError:
-        return {
-            "status": "stopped",
-            "value": None,
-            "sentence": f"stopped after {len(runs.rows)} runs{_so_far(runs, name, value)}: give "
-            "most_runs of [target] a larger number, or a narrower range",
-        }
+        so_far = _so_far(runs, name, value)
+        return _told("stopped", say("study.stopped", n=len(runs.rows), so_far=so_far))
     except _NoNumberError:
-        return {
-            "status": "stopped",
-            "value": None,
-            "sentence": f"stopped: a run on the way has no {output}, see {RUNS}: take a range in "
-            "which all have one",
-        }
+        return _told("stopped", say("study.no_output", output=output, file=RUNS))
     except _JumpError as jump:
         return _jump(runs, name, output, value, jump.bracket)
-    return {
-        "status": "finished",
-        "value": root,
-        "reached": runs.output_at(root),
-        "sentence": f"{output} = {value:g} at {name} = {root:.6g}",
-    }
+    said = say("study.reached", output=output, value=value, name=name, at=root)
+    return {**_told("finished", said), "value": root, "reached": runs.output_at(root)}
+
+
+def _told(status: str, said: Saying) -> dict[str, Any]:
+    """The end of a search, without a value: its sentence, in English and so that it can be said in
+    every language."""
+    return {"status": status, "value": None, "sentence": str(said), "said": said.as_dict()}
 
 
 def _root(runs: Runs, bracket: Bracket, value: float, tolerance: float, width: float) -> float:
@@ -227,12 +224,12 @@ def _root(runs: Runs, bracket: Bracket, value: float, tolerance: float, width: f
             bracket = _halved(runs, watch.bracket, value, 2.0 * tolerance * width)
 
 
-def _so_far(runs: Runs, name: str, value: float) -> str:
+def _so_far(runs: Runs, name: str, value: float) -> Saying:
     """Between which two runs the output passes the value, where it does."""
     for (a, ya), (b, yb) in pairwise(runs.pairs()):
         if (ya - value) * (yb - value) <= 0.0:
-            return f", with {ya:.6g} at {name} = {a:.6g} and {yb:.6g} at {b:.6g}"
-    return ""
+            return say("study.so_far", below=ya, name=name, a=a, above=yb, b=b)
+    return say("study.not_so_far")
 
 
 class _Watch:
@@ -306,10 +303,9 @@ def _bracket(runs: Runs, low: float, high: float, value: float) -> Bracket | Non
 def _jump(runs: Runs, name: str, output: str, value: float, bracket: Bracket) -> dict[str, Any]:
     """The output passes the value without having it, as where another mechanism takes over."""
     (a, b), (ya, yb) = bracket, (_number(runs.output_at(x)) for x in bracket)
-    sentence = (
-        f"{output} jumps over {value:g}: it is {ya:.6g} at {name} = {a:.6g} and {yb:.6g} at {b:.6g}"
-    )
-    return {"status": "jump", "value": None, "jump_at": [a, b], "sentence": sentence}
+    known = {"output": output, "value": value, "name": name}
+    said = say("study.jumps", **known, below=ya, a=a, above=yb, b=b)
+    return {**_told("jump", said), "jump_at": [a, b]}
 
 
 class _NoNumberError(Exception):
@@ -326,13 +322,11 @@ def _none(
     runs: Runs, name: str, output: str, value: float, low: float, high: float
 ) -> dict[str, Any]:
     known = runs.pairs()
-    sentence = f"no value of {name} from {low:g} to {high:g} gives {output} = {value:g}: "
+    asked = {"name": name, "low": low, "high": high, "output": output, "value": value}
     if known:
         x, y = min(known, key=lambda pair: abs(pair[1] - value))
-        sentence += f"the nearest of {len(runs.rows)} runs is {y:.6g} at {x:.6g}"
-    else:
-        sentence += f"no run has one, the first because {runs.rows[0]['reason']}"
-    return {"status": "none", "value": None, "sentence": sentence}
+        return _told("none", say("study.nearest", **asked, n=len(runs.rows), found=y, at=x))
+    return _told("none", say("study.no_run", **asked, why=said_end(runs.rows[0]["reason"])))
 
 
 def _map(
@@ -355,21 +349,20 @@ def _map(
         for name in (*asked.task.names, target["output"])
     )
     line = _crossings(x, y, z, target["value"])
-    names = f"{asked.task.names[0]} and {asked.task.names[1]}"
-    what = f"{target['output']} = {target['value']:g}"
-    found: dict[str, Any] = {
-        "status": "finished" if line else "none",
-        "sentence": f"{what} on a line through the map of {names}"
-        if line
-        else f"no values of {names} in their ranges give {what}: it goes from "
-        f"{np.nanmin(z):.6g} to {np.nanmax(z):.6g}",
-        "contour": line,
-        "n_runs": len(frame),
-    }
+    known = dict(zip("ab", asked.task.names, strict=True))
+    known |= {"output": target["output"], "value": target["value"]}
+    if line:
+        found = _told("finished", say("study.line", **known))
+    else:
+        least, most = float(np.nanmin(z)), float(np.nanmax(z))
+        found = _told("none", say("study.no_line", **known, low=least, high=most))
+    del found["value"]
+    found |= {"contour": line, "n_runs": len(frame)}
     if figures:
         from drystone.studies.figures import target_map
 
-        in_a_sentence(lambda: target_map(asked, (x, y, z), folder))
+        with speaking(language_of(asked.task.model)):
+            in_a_sentence(lambda: target_map(asked, (x, y, z), folder))
     write_record(grid, folder, found)
     frame.to_parquet(folder / RUNS)
     return found

@@ -16,7 +16,7 @@ DECIMAL_MARKS = {"en": ".", "it": ","}
 LANGUAGES = tuple(DECIMAL_MARKS)
 
 #: Files of a language: sentences by section and key; `REPORT` holds the words of the report.
-SENTENCES = ("assessment", "methods", "spectra", "curve", "screen", "laboratory")
+SENTENCES = ("assessment", "methods", "spectra", "curve", "screen", "laboratory", "study")
 REPORT = "report"
 
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")

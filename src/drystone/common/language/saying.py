@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 import string
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, Self
 
 from drystone.common.language.catalogue import DECIMAL_MARKS, current, templates, with_mark
 
 #: Sections of the tables that results hold as text.
-HAPPENING = ("end", "event", "named")
+HAPPENING = ("end", "event", "named", "refused")
+
+#: Fields of these templates that are clauses, and so sayings of their own.
+CLAUSES = ("how", "leg", "reason", "why")
 
 #: A number as formats write it.
 _NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
@@ -80,13 +83,34 @@ def spoken(text: str, known: Mapping[str, Any] | None = None) -> str:
 def said_end(reason: str) -> str:
     """The end of a curve, as results keep it in English, as a saying; else as it is.
 
-    Ends are sentences with semicolons between them.
+    Ends are sentences with semicolons between them; those that have one themselves are tried whole.
     """
-    parts = [_recognised(part) for part in reason.split("; ")]
+    parts = _ends(reason.split("; "))
     said = parts[-1]
     for part in reversed(parts[:-1]):
         said = say("end.and", first=part, rest=said)
     return said
+
+
+def _ends(parts: Sequence[str]) -> list[str]:
+    """The sayings of ends that semicolons have parted; of several parts, where they are one."""
+    said: list[str] = []
+    while parts:
+        tried = (_recognised("; ".join(parts[:n])) for n in range(1, len(parts) + 1))
+        n, found = next(
+            ((n, found) for n, found in enumerate(tried, 1) if _is_whole(found)),
+            (1, _recognised(parts[0])),
+        )
+        said.append(found)
+        parts = parts[n:]
+    return said
+
+
+def _is_whole(text: object) -> bool:
+    """Whether a text is a saying, and so are its clauses."""
+    return isinstance(text, Saying) and all(
+        _is_whole(text.fields[name]) for name in CLAUSES if name in text.fields
+    )
 
 
 def said_status(status: str) -> Saying:
@@ -149,13 +173,14 @@ def _patterns() -> tuple[tuple[re.Pattern[str], str], ...]:
     for key, template in templates("en").items():
         if key.split(".")[0] not in HAPPENING:
             continue
-        pattern, own, seen = "", 0, set[str]()
+        pattern, own, seen = "", "", set[str]()
         for text, name, _, _ in string.Formatter().parse(template):
-            pattern, own = pattern + re.escape(text), own + len(text)
+            pattern, own = pattern + re.escape(text), own + text
             if name:
                 pattern += f"(?P={name})" if name in seen else f"(?P<{name}>.*?)"
                 seen.add(name)
-        found.append((own, re.compile(pattern, re.DOTALL), key))
+        if any(map(str.isalpha, own)):  # else it says what any text may be
+            found.append((len(own), re.compile(pattern, re.DOTALL), key))
     return tuple((pattern, key) for _, pattern, key in sorted(found, key=lambda f: -f[0]))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.keys import Direction, Key
-from drystone.common.language import say
+from drystone.common.language import Saying, say
 from drystone.common.tolerances import ROUNDING
 from drystone.common.vectors import direction_of
 from drystone.model.assembly import Assembly
@@ -255,18 +255,12 @@ def stages_of(loads: Sequence[DeadLoad]) -> tuple[int, ...]:
     return tuple(sorted({0, *(load.stage for load in loads)}))
 
 
-def dead_words(loads: Sequence[DeadLoad], stage: int | None = None) -> str:
+def dead_words(loads: Sequence[DeadLoad], stage: int | None = None) -> Saying:
     """What acts on a structure in a stage, or in all, as the end of "under its"."""
     later = [] if stage is None else [s for s in stages_of(loads) if s > stage]
     if any(stage is None or load.stage <= stage for load in loads):
-        more = f" of stage {stage} and below" if later else ""
-        return f"own weight and the dead loads{more}"
-    if later:
-        return (
-            f"own weight alone, before the dead loads of stage {min(later)} act (stage = 0 lets a "
-            "dead load act with the weight)"
-        )
-    return "own weight"
+        return say("end.with_loads_of", stage=stage) if later else say("end.with_loads")
+    return say("end.weight_before", stage=min(later)) if later else say("end.own_weight")
 
 
 def masses_of(assembly: Assembly, loads: Sequence[DeadLoad], ties: Sequence[Tie] = ()) -> Masses:
