@@ -62,6 +62,9 @@ def dies(x):
 def line(x):
     return {"y": 2.0 * x["a"] + x.get("b", 0.0)}
 
+def cube(x):
+    return {"y": x["a"] ** 3}
+
 def step(x):
     return {"y": 5.0 * (x["a"] >= 4.0)}
 

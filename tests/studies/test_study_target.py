@@ -41,6 +41,20 @@ def test_a_line_is_met_where_it_lies(tmp_path):
     assert (tmp_path / "out" / "target.png").exists()
 
 
+def test_the_tolerance_is_of_the_parameter_and_the_sentence_tells_the_output_there(tmp_path):
+    """An output a³ is off by three times as much; the same runs go on with a smaller tolerance."""
+    off, cube = [], LINE.replace(":line", ":cube")
+    for tolerance in (1e-2, 1e-6):
+        file = written(tmp_path, cube.replace("1e-6", f"{tolerance:g}"))
+        ds.study(file, out=tmp_path / "out", figures=False, resume=tolerance < 1e-2)
+        found = record(tmp_path / "out")
+        assert found["value"] == pytest.approx(3.0 ** (1.0 / 3.0), rel=tolerance)
+        assert found["reached"] == pytest.approx(3.0, rel=3.05 * tolerance)
+        assert found["sentence"].endswith(f", where the run gives {found['reached']:.6g}")
+        off.append(abs(found["reached"] - 3.0))
+    assert off[1] < off[0]
+
+
 def test_runs_are_kept(tmp_path):
     file = written(tmp_path, LINE)
     first = ds.study(file, out=tmp_path / "out", figures=False)

@@ -184,8 +184,10 @@ def _searched(asked: Study, runs: Runs) -> dict[str, Any]:
         return _told("stopped", say("study.no_output", output=output, file=RUNS))
     except _JumpError as jump:
         return _jump(runs, name, output, value, jump.bracket)
-    said = say("study.reached", output=output, value=value, name=name, at=root)
-    return {**_told("finished", said), "value": root, "reached": runs.output_at(root)}
+    known = {"output": output, "value": value, "name": name}
+    reached = _number(runs.output_at(root))
+    said = say("study.reached", **known, at=root, reached=reached)
+    return {**_told("finished", said), "value": root, "reached": reached}
 
 
 def _told(status: str, said: Saying) -> dict[str, Any]:
@@ -196,6 +198,9 @@ def _told(status: str, said: Saying) -> dict[str, Any]:
 
 def _root(runs: Runs, bracket: Bracket, value: float, tolerance: float, width: float) -> float:
     """Where the output has the value, to a share of the parameter, by Brent's method.
+
+    The output there is as close to the value as its slope makes it: to e times the share, where the
+    output goes with the power e of the parameter.
 
     Where a bracket that shrinks keeps its outputs apart, it is halved instead.
 
