@@ -484,7 +484,7 @@ def test_a_killed_run_is_assessed_as_far_as_it_goes(results):
 def test_a_run_that_was_killed_before_its_first_point(results):
     cut(results, 0)
     result = drystone("assess", results, *FLAGS)
-    assert result.exit_code == 3 and "the curve has 0 points" in result.stderr
+    assert result.exit_code == 3 and "the curve has too few points, 0" in result.stderr
 
 
 def test_of_a_folder_of_directions_one_is_to_be_named(results, tmp_path):
@@ -647,6 +647,22 @@ def test_a_cyclic_curve_that_does_not_collapse_is_told_what_would_mend_it(made):
     assert "give [control] history farther targets" in said and "max_displacement" not in said
     spoken = drystone("assess", made / "short", *FLAGS, "--language", "it").output
     assert "La curva è arrestata" in spoken and "stopped" not in spoken
+    # Of methods that need a part of it only, too.
+    flags = list(FLAGS)
+    flags[flags.index("--method") + 1] = "ntc2018-global"
+    said = " ".join(drystone("assess", made / "short", *flags).output.split())
+    assert "Farther targets of [control] history trace it further" in said
+
+
+def test_a_history_that_is_over_is_extended_by_no_other_end(made):
+    model = ds.read_model(made / "wall.toml").with_history([0.02, -0.02])
+    write_model(model, made / "over.toml")
+    drystone("run", made / "over.toml", "--out", made / "over", "--quiet")
+    for more in ((), ("--extend", "max_displacement=0.1")):
+        told = drystone("run", "--resume", made / "over", *more)
+        said = " ".join(told.output.split())
+        assert told.exit_code == (2 if more else 0)
+        assert "run the model again with more of them" in said and "--extend" not in said
 
 
 @pytest.fixture(scope="module")

@@ -198,15 +198,13 @@ def _why_unfinished(
     error: AssessmentError, curve: CapacityCurve, cyclic: bool, method: str
 ) -> Saying:
     """Why a curve does not go far enough, and where it ends."""
-    said = error.said
-    if cyclic and getattr(said, "key", "") == "refused.no_collapse":
+    known = {"status": said_status(curve.status), "reason": said_end(curve.reason)}
+    if not cyclic:
+        return say("verdict.curve_is", why=error.said, **known)
+    if getattr(error.said, "key", "") == "refused.no_collapse":
         said = say("refused.no_collapse_to_and_fro", method=method)
-    return say(
-        "verdict.curve_is",
-        why=said,
-        status=said_status(curve.status),
-        reason=said_end(curve.reason),
-    )
+        return say("verdict.curve_is", why=said, **known)
+    return say("verdict.curve_to_and_fro", why=error.said, **known)
 
 
 def of_one_sense(verdict: Verdict, sense: str = "", why: str = "") -> Verdict:

@@ -129,9 +129,13 @@ def _complete(kept: Kept, *, as_json: bool) -> int:
     """Tell that nothing is left to do."""
     import json
 
+    from drystone.common.language import say
     from drystone.io.results.names import SUMMARY
 
-    tell([f"the curve in {kept.path} is complete ({kept.reason}): --extend gives it another end"])
+    mend = "--extend gives it another end"
+    if kept.history_is_over:
+        mend = str(say("end.history_is_over"))
+    tell([f"the curve in {kept.path} is complete ({kept.reason}): {mend}"])
     if as_json:
         told = json.loads((kept.path / SUMMARY).read_text(encoding="utf-8"))
         emit({**told, "directory": str(kept.path)})

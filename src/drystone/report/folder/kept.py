@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from drystone.common.language import say
 from drystone.io.results.checkpoint import CHECKPOINT, CheckpointError, read_checkpoint
 from drystone.io.results.folder import OutputError
 from drystone.io.results.hdf5 import RUNNING
@@ -35,6 +36,14 @@ class Kept:
     def complete(self) -> bool:
         """Whether the curve and all files of it are there."""
         return self.status == FINISHED and (self.path / SUMMARY).is_file()
+
+    @property
+    def history_is_over(self) -> bool:
+        """Whether all displacements of a history were reached: no other end takes it farther."""
+        history = self.model.history
+        if history is None or self.status != FINISHED:
+            return False
+        return self.reason.partition("; ")[0] == say("end.history", n=len(history.targets))
 
 
 def kept_in(folder: Path) -> Kept:

@@ -9,6 +9,7 @@ from typing import Any
 
 from drystone.analysis.driver import cannot_resume, pushover, resumed
 from drystone.analysis.sitting import SITTING
+from drystone.common.language import say
 from drystone.common.ranges import problem
 from drystone.control.ends import stop_after
 from drystone.control.stops import STOPS
@@ -104,9 +105,12 @@ def check_resumes(kept: Kept, engine: Engine[Any] | None = None) -> None:
 
 
 def check_farther(kept: Kept, ends: Mapping[str, float | None]) -> None:
-    """Raise `EngineError` where a complete curve has passed an end that is asked for."""
+    """Raise `EngineError` where a complete curve has passed an end that is asked for, or where no
+    end leads farther."""
     if not kept.complete or kept.past is None or not kept.past.points:
         return
+    if kept.history_is_over and ends:
+        raise EngineError(str(say("end.history_is_over")))
     analysis = kept.model.analysis
     stop, farthest = ends.get("stop_multiplier"), ends.get("max_displacement")
     highest = max(point.load_multiplier for point in kept.past.points)
