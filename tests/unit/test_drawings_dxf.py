@@ -194,7 +194,50 @@ class TestPlane:
             blocks_of(saved(tmp_path, document))
         document, space = drawing()
         space.add_line((0, 0), (1, 1))
-        with pytest.raises(ModelError, match='no closed polylines, only 1 LINE on layer "0"'):
+        with pytest.raises(
+            ModelError, match=r'no closed polylines, only 1 LINE on layer "0" \(join them to closed'
+        ):
+            blocks_of(saved(tmp_path, document))
+
+    def test_a_line_that_ends_where_it_begins_to_six_digits_is_closed(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline([*SQUARE, (1e-7, 0.0)])
+        space.add_polyline3d([(x + 2.0, y, 3.0) for x, y in (*SQUARE, (0.0, 1e-7))])
+        space.add_lwpolyline([(x + 4.0, y) for x, y in (*SQUARE, (0.0, 1e-5))])
+        made = blocks_of(saved(tmp_path, document))
+        assert [len(block.vertices) for block in made.blocks] == [4, 4]
+        assert '1 left out: open LWPOLYLINE on layer "0"' in "".join(made.notes)
+
+    def test_outlines_out_of_the_plane_are_not_foreshortened(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline(SQUARE, close=True)
+        space.add_lwpolyline(SQUARE, close=True, dxfattribs={"extrusion": (0.0, -0.6, 0.8)})
+        space.add_polyline3d([(x, 0.0, y) for x, y in SQUARE], close=True)
+        document.blocks.new("stone").add_lwpolyline(SQUARE, close=True)
+        space.add_blockref("stone", (0, 0), dxfattribs={"extrusion": (0.0, -1.0, 0.0)})
+        made = blocks_of(saved(tmp_path, document), 2)
+        assert [block.id for block in made.blocks] == ["0/1"]
+        told = "".join(made.notes)
+        assert '2 left out: LWPOLYLINE on layer "0", which does not lie in the plane of x' in told
+        assert '1 left out: POLYLINE on layer "0", which does not lie in the plane of x' in told
+        document, space = drawing()
+        space.add_polyline3d([(x, 0.0, y) for x, y in SQUARE], close=True)
+        with pytest.raises(ModelError, match="turn the drawing into that plane"):
+            blocks_of(saved(tmp_path, document))
+
+    def test_elevations_of_outlines_and_flipped_axes_do_not_count(self, tmp_path):
+        document, space = drawing()
+        space.add_lwpolyline(SQUARE, close=True, dxfattribs={"elevation": 7.0})
+        flipped = [(-x, y + 1.0) for x, y in SQUARE]
+        space.add_lwpolyline(flipped, close=True, dxfattribs={"extrusion": (0.0, 0.0, -1.0)})
+        made = blocks_of(saved(tmp_path, document))
+        assert np.array_equal(made.blocks[1].vertices.min(axis=0), (0.0, 1.0))
+        assert np.array_equal(made.blocks[1].vertices.max(axis=0), (1.0, 2.0))
+
+    def test_what_lies_in_paper_space_is_told_where_nothing_else_is(self, tmp_path):
+        document, _ = drawing()
+        document.paperspace().add_lwpolyline(SQUARE, close=True)
+        with pytest.raises(ModelError, match="polylines; 1 entities lie in paper space, which is"):
             blocks_of(saved(tmp_path, document))
 
 

@@ -223,3 +223,18 @@ def test_a_pattern_of_forces_finds_its_blocks(tmp_path):
     forces = '[load]\npattern = "forces"\n[[load.force]]\npoint = [0.3, 0.4]\nforce = [1.0, 0.0]\n'
     text = HEAD + ALL.split("[load]")[0] + IMPORT + forces
     assert ds.read_model(model_file(tmp_path, text)).load.entries[0].block == "stone/3"
+
+
+def test_what_a_drawing_left_out_is_told_where_nothing_is_left_to_move(tmp_path):
+    import ezdxf
+
+    path = drawing(tmp_path)
+    document = ezdxf.readfile(path)
+    document.layers.add("stone").off()
+    document.saveas(path)
+    model = model_file(tmp_path, HEAD + ALL + IMPORT)
+    for file in (path, model):
+        for command in ("check", "limit")[: 1 + (file is model)]:
+            said = drystone(command, file).stderr
+            assert "nothing can move" in said, (command, file)
+            assert '4 left out: LWPOLYLINE on layer "stone", which is switched off' in said

@@ -15,7 +15,7 @@ from drystone.geometry.space.mend import DrawnSolid, mended_solids
 from drystone.geometry.space.meshes import Mesh, is_flat, shortest_edge
 from drystone.geometry.space.solid import Faces
 from drystone.geometry.space.trim import trimmed
-from drystone.io.drawings.drawing import CONTROL_LAYERS, SUPPORT_LAYERS, UNITS, Drawing, Shape
+from drystone.io.drawings.drawing import SUPPORT_LAYERS, UNITS, Drawing, Shape
 from drystone.io.drawings.formats import read_drawing
 from drystone.io.drawings.outlines import mended_outlines
 from drystone.io.drawings.patterns import expression
@@ -123,7 +123,7 @@ def blocks_of(drawing: Drawing, settings: ImportSettings, material_of: MaterialO
     if drawing.control is not None:
         point = turned_up(scale * np.array([drawing.control]), up)
         control = tuple(placed(point, settings.origin, settings.rotation)[0].tolist())
-        notes.append(f"the control point is that on its layer {quoted(CONTROL_LAYERS[0])}")
+        notes.append("the control point is that of the file")
     file = quoted(settings.file.name)
     return Imported(
         blocks=tuple(blocks),

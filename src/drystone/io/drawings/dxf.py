@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from drystone.common.ranges import too_many
+from drystone.common.tolerances import SAME_POINT
 from drystone.io.drawings.drawing import (
     CONTROL_LAYERS,
     MOST,
@@ -43,6 +44,10 @@ _BEGINNING = re.compile(rb"(\xef\xbb\xbf)?\s*\d+[ \t]*[\r\n]|AutoCAD Binary DXF"
 ARC = 1e-3
 #: Entities inside of each other's definitions that no drawing has.
 DEEPEST = 8
+#: What is said of an outline that the plane would show foreshortened.
+TILTED = "does not lie in the plane of x and y"
+#: What entities begin with that may be edges of a block.
+LOOSE = ("open ", "LINE ", "ARC ")
 #: Texts and the like say nothing of blocks.
 _SILENT = {
     "TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "HATCH", "VIEWPORT", "ATTDEF", "ATTRIB",
@@ -80,12 +85,13 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
         elif found := _meshes(entity, kind):
             for mesh in found:
                 meshes += _named(entity, layer, *mesh)
-        elif (outline := _outline(entity, kind)) is not None:
+        elif (outline := _outline(entity, kind)) is not None and _is_level(outline):
             n_vertices += len(outline)
             check_counts(n_vertices, 0)
-            outlines.append(_marked(entity, layer, len(outlines) + 1, outline))
+            outlines.append(_marked(entity, layer, len(outlines) + 1, outline[:, :2]))
         elif kind not in _SILENT:
-            what = f"{'open ' * _is_open(entity, kind)}{kind} on layer {quoted(layer)}"
+            what = f"{'open ' * (outline is None and _is_open(entity, kind))}{kind}"
+            what += f" on layer {quoted(layer)}" + f", which {TILTED}" * (outline is not None)
             others[what] = others.get(what, 0) + 1
     for layer, faces in loose.items():
         meshes += _components(layer, faces)
@@ -97,7 +103,7 @@ def read(contents: bytes, dimension: int | None = None) -> Drawing:
     if unused:
         others[f"{what}, as the model has {dimension} dimensions"] = len(unused)
     if not shapes:
-        raise ModelError([_nothing(dimension, others)])
+        raise ModelError([_nothing(dimension, others, _on_sheets(document))])
     on_control = [place for layer, place in points if layer.lower() in CONTROL_LAYERS]
     if len(on_control) > 1:
         raise ModelError([f"has {len(on_control)} points on its layer for the control point: one"])
@@ -216,43 +222,74 @@ def _unit(code: int) -> str | None:
     return str(units.unit_name(code))
 
 
-def _nothing(dimension: int, others: dict[str, int]) -> str:
+def _nothing(dimension: int, others: dict[str, int], on_sheets: int) -> str:
     wanted = "closed polylines" if dimension == 2 else "3D faces, polyface meshes or meshes"
     found = ", ".join(f"{n} {what}" for what, n in sorted(others.items())[:3])
     solid = " (solids: export them as meshes)" * any("3DSOLID" in what for what in others)
-    return f"holds no {wanted}" + (f", only {found}{solid}" if found else "")
+    loose = " (join them to closed polylines)" * (
+        wanted == "closed polylines" and any(what.startswith(LOOSE) for what in others)
+    )
+    tilted = " (turn the drawing into that plane)" * any(what.endswith(TILTED) for what in others)
+    sheets = f"; {on_sheets} entities lie in paper space, which is not read" * (on_sheets > 0)
+    return (
+        f"holds no {wanted}" + (f", only {found}{solid}{loose}{tilted}" if found else "") + sheets
+    )
+
+
+def _on_sheets(document: Any) -> int:
+    """How many entities lie in paper space, viewports and texts not counted."""
+    layouts = (layout for layout in document.layouts if layout.is_any_paperspace)
+    return sum(entity.dxftype() not in _SILENT for layout in layouts for entity in layout)
 
 
 # --- the plane --------------------------------------------------------------------------------
 
 
 def _outline(entity: Any, kind: str) -> np.ndarray | None:
-    """Vertices (n, 2) of a closed polyline, arcs in chords; None of anything else."""
+    """Vertices (n, 3) of a closed polyline, arcs in chords; None of anything else.
+
+    Heights that polylines of the plane have (their elevations) are left out.
+    """
     if kind == "LWPOLYLINE":
         rows = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
     elif kind == "POLYLINE" and entity.is_2d_polyline:
         rows = [(*tuple(v.dxf.location)[:2], v.dxf.get("bulge", 0.0)) for v in entity.vertices]
     elif kind == "POLYLINE" and entity.is_3d_polyline:
         places = [tuple(v.dxf.location) for v in entity.vertices]
-        if len({z for _, _, z in places}) > 1:
-            return None
-        rows = [(x, y, 0.0) for x, y, _ in places]
+        return _ring(np.array(places, dtype=np.float64).reshape(-1, 3), entity.is_closed)
     else:
         return None
-    closed = not _is_open(entity, kind)
-    if len(rows) > 3 and rows[0][:2] == rows[-1][:2]:
-        rows, closed = rows[:-1], True
-    if not closed or len(rows) < 2:
+    ring = _ring(np.array(rows, dtype=np.float64).reshape(-1, 3), not _is_open(entity, kind), 2)
+    if ring is None:
         return None
     points: list[tuple[float, float]] = []
+    rows = ring.tolist()
     for (x, y, bulge), (u, v, _) in zip(rows, rows[1:] + rows[:1], strict=True):
-        points += [(float(x), float(y)), *_chords((x, y), (u, v), float(bulge))]
-    if kind != "POLYLINE" or entity.is_2d_polyline:
-        points = [tuple(p)[:2] for p in entity.ocs().points_to_wcs((x, y, 0.0) for x, y in points)]
-    vertices = np.array(points, dtype=np.float64)
-    if not np.isfinite(vertices).all():
-        raise ModelError(["every coordinate must be a finite number: the file is torn"])
+        points += [(x, y), *_chords((x, y), (u, v), bulge)]
+    placed = entity.ocs().points_to_wcs((x, y, 0.0) for x, y in points)
+    vertices = np.array([tuple(point) for point in placed])
     return vertices if len(vertices) > 2 else None
+
+
+def _ring(rows: np.ndarray, closed: bool, dimension: int = 3) -> np.ndarray | None:
+    """Rows (n, 3) of a closed line without a last one that repeats the first; None if it is open.
+
+    The first ``dimension`` columns are places.
+    """
+    places = rows[:, :dimension]
+    if not np.isfinite(places).all():
+        raise ModelError(["every coordinate must be a finite number: the file is torn"])
+    if len(rows) > 3:
+        size = float(np.ptp(places, axis=0).max())
+        if float(np.linalg.norm(places[0] - places[-1])) <= SAME_POINT * size:
+            return rows[:-1]
+    return rows if closed and len(rows) > 1 else None
+
+
+def _is_level(vertices: np.ndarray) -> bool:
+    """Whether an outline (n, 3) lies in a plane of x and y."""
+    sides = np.ptp(vertices, axis=0)
+    return bool(sides[2] <= SAME_POINT * sides.max())
 
 
 def _is_open(entity: Any, kind: str) -> bool:

@@ -202,8 +202,9 @@ def _model(
         raise ModelError(problems)
     if digests := (*imports.digests, *of_history):
         sha256 = hashlib.sha256("".join((sha256, *digests)).encode()).hexdigest()
-    return make_model(
+    return _made(
         blocks,
+        imports.notes,
         joint=joint,
         joint_between=between,
         corner=corner_of(section),
@@ -223,11 +224,20 @@ def _model(
         sha256=sha256,
         place=lambda i: places[i],
         drawing_tolerance=section.drawing_tolerance,
-        notes=[*_notes(section), *imports.notes],
+        notes=_notes(section),
         mended=imports.mended,
         site=site_of(section.site, folder, files),
         assessment=assessment_of(section.assessment, folder, files),
     )
+
+
+def _made(blocks: list[Block], of_imports: list[str], notes: list[str], **given: Any) -> Model:
+    """The model of blocks; where none of them can move, what drawings left out is told as well."""
+    try:
+        return make_model(blocks, notes=[*notes, *of_imports], **given)
+    except ModelError as error:
+        told = of_imports if all(block.support for block in blocks) else []
+        raise ModelError([*error.problems, *told]) from None
 
 
 def corner_of(section: ModelSection) -> Corner:

@@ -80,6 +80,8 @@ class Sketch:
         problems = layout_problems(assembly, lambda i: places[i], closing)
         if supports:
             problems = [one for one in problems if "no block is a support" not in one]
+        if assembly.n_blocks == 0:  # a drawing may have left the others out
+            problems += notes
         return cls(
             title=title,
             assembly=assembly,
