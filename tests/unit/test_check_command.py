@@ -82,6 +82,9 @@ B1 = "vertices = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.9], [-0.2, 0.9]]"
         ("unit_weight = 18e3", "density = 2.2", "2.2 kg/m3, is light for masonry"),
         ("unit_weight = 18e3", "unit_weight = 18.0", "is it in kN/m3"),
         ("unit_weight = 18e3", "density = 18e3", "is heavy for masonry"),
+        ("unit_weight = 18e3", "unit_weight = 1800.0", "Then write it as density"),
+        ("thickness = 1.0", "thickness = 400.0", "much for a structure of 0.9 m"),
+        ("coefficient = 0.65", "coefficient = 0.65\ncohesion = 0.1", "Pa, or MPa? Then take"),
         ("direction = [1.0, 0.0]", "direction = [0.0, -1.0]", "no multiple of it"),
         (B1, "vertices = [[-0.2, 0.9], [0.2, 0.9], [0.2, 0.0], [-0.2, 0.0]]", "turned round"),
         (B1, "vertices = [[-0.2, 1e-4], [0.2, 1e-4], [0.2, 0.9], [-0.2, 0.9]]", "1 joint"),
@@ -92,6 +95,68 @@ def test_what_is_hardly_meant_is_told_with_the_mend(tmp_path, old, new, said):
     (problem,) = problems(path)
     assert said in problem
     assert f"warning: {problem}" in drystone("check", path).stdout
+
+
+TIE = """
+[[tie]]
+name = "rod"
+from = { block = "b1", point = [0.2, 0.8] }
+to = { block = "ground", point = [2.2, 0.8] }
+area = 3e-4
+young_modulus = 2e11
+yield_force = 70e3
+compression = false
+"""
+SITE = """
+[site]
+code = "ntc2018"
+ag = 0.15
+F0 = 2.5
+TC_star = 0.3
+soil = "B"
+topography = "T1"
+[site.SLD]
+ag = 0.06
+F0 = 2.5
+TC_star = 0.3
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("", "", None),
+        ("area = 3e-4", "area = 300.0", 'tie "rod": reaches its strength of 70000 N at a strain'),
+        ("young_modulus = 2e11", "young_modulus = 2e5", "at a strain of 1.2e+03"),
+        ("yield_force = 70e3", "yield_force = 70.0", "at a strain of 1.2e-06"),
+        ("ag = 0.15", "ag = 1.5", "site.ag: 1.5 g is more than NTC 2018"),
+        ("ag = 0.06", "ag = 1.2", "site.SLD.ag: 1.2 g is more than NTC 2018"),
+    ],
+)
+def test_units_of_ties_and_of_the_ground_motion_that_are_mistaken_are_told(
+    tmp_path, old, new, said
+):
+    found = problems(written(tmp_path, more=(TIE + SITE).replace(old, new)))
+    assert len(found) == (said is not None)
+    assert all(said in sentence for sentence in found)
+
+
+def test_solids_of_any_size_have_no_thickness_to_doubt(tmp_path):
+    solid = MODEL.replace("dimension = 2", "dimension = 3").replace("thickness = 1.0\n", "")
+    head = solid[: solid.index("[[block]]")]
+    blocks = "".join(
+        f'[[block]]\nid = "{name}"\nbox = [[0.0, 0.0, {low}], [0.01, 0.01, {low + 0.01}]]\n{more}'
+        for name, low, more in (("base", 0.0, "support = true\n"), ("b1", 0.01, ""))
+    )
+    path = tmp_path / "solid.toml"
+    path.write_text(f'{head}{blocks}[load]\npattern = "mass"\ndirection = [1.0, 0.0, 0.0]\n')
+    assert problems(path) == []
+
+
+def test_a_compressive_strength_that_the_weight_exceeds_is_told(tmp_path):
+    """0.9 m of 18 kN/m3 press by 16.2 kPa."""
+    found = problems(written(tmp_path, ("0.65", "0.65\ncompressive_strength = 5.0")))
+    assert any("less than the pressure" in one and "1.62e+04 Pa" in one for one in found)
 
 
 @pytest.mark.parametrize(

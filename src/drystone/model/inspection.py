@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +10,13 @@ from drystone.common.arrays import Array, BoolArray, IntArray
 from drystone.geometry.missed import Missed
 from drystone.geometry.plane.outlines import Outlines
 from drystone.geometry.space.polyhedra import Polyhedra
-from drystone.model.assembly import GRAVITY, Assembly
+from drystone.model.assembly import Assembly
 from drystone.model.construction.words import FEW, listed, millimetres, quoted
 from drystone.model.loading import ModalPattern, masses_of
+from drystone.model.mistaken_units import unit_doubts
 from drystone.model.model import Model
 from drystone.model.ties import Bars
 
-#: Beyond these a unit has been mistaken: m, N/m3 (cork weighs 1200, lead 111e3).
-LONGEST_BLOCK, LIGHTEST, HEAVIEST = 50.0, 1e3, 115e3
-#: Friction of 63 degrees.
-ROUGHEST = 2.0
 #: Keys of [analysis] that say nothing where supports move.
 OF_A_LOAD = (
     "balance_tolerance",
@@ -30,8 +26,6 @@ OF_A_LOAD = (
     "patience",
     "time_step",
 )
-#: Share of the smallest block by which joints under a structure's weight may close.
-SOFT = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,8 +158,7 @@ def doubts(model: Model, packed: Outlines | Polyhedra, p: IntArray, q: IntArray)
     return [
         *_floating(model, packed, p, q),
         *_missed(assembly),
-        *_unit_doubts(assembly),
-        *_law_doubts(assembly),
+        *unit_doubts(model),
         *_unused(model),
     ]
 
@@ -254,54 +247,3 @@ def _missed(assembly: Assembly) -> list[str]:
     if len(pairs) > FEW:
         told.append(f"block: {len(pairs) - FEW} more pairs have faces near each other and no joint")
     return told
-
-
-def _unit_doubts(assembly: Assembly) -> list[str]:
-    """Sizes and weights so far from masonry that a unit may have been mistaken."""
-    found = []
-    movable = [block.vertices for block in assembly.blocks if not block.support]
-    largest = max(float(np.ptp(vertices, axis=0).max()) for vertices in movable)
-    if largest > LONGEST_BLOCK:
-        found.append(f"block: the largest is {largest:g} m long: are the coordinates in metres?")
-    weights = [block.unit_weight for block in assembly.blocks if not block.support]
-    for weight, word, mend in (
-        (min(weights), "light", "is it in kN/m3, or its density in t/m3? Then take it times 1000"),
-        (max(weights), "heavy", "is it a weight given as a density? Then write it as unit_weight"),
-    ):
-        if (weight < LIGHTEST) if word == "light" else (weight > HEAVIEST):
-            found.append(
-                f"material: {weight:.4g} N/m3, a density of {weight / GRAVITY:.4g} kg/m3, is "
-                f"{word} for masonry: {mend}"
-            )
-    return found
-
-
-def _law_doubts(assembly: Assembly) -> list[str]:
-    """Friction that is an angle, joints that close by more than a hair under the weight."""
-    found = []
-    highest = max(float((block.vertices @ assembly.up).max()) for block in assembly.blocks)
-    lowest = min(
-        float((block.vertices @ assembly.up).min())
-        for block in assembly.blocks
-        if not block.support
-    )
-    densest = max(block.unit_weight for block in assembly.blocks if not block.support)
-    smallest = assembly.smallest_extent
-    for law in dict.fromkeys(assembly.laws):
-        mu, stiffness = law.friction_coefficient, law.normal_stiffness
-        if mu > ROUGHEST:
-            tangent = f"{math.tan(math.radians(mu)):.4g}" if mu < 90.0 else "below 1 as a rule"
-            found.append(
-                f"joint: friction_coefficient = {mu:g} is more than any joint has: is it the "
-                f"angle in degrees? The coefficient is its tangent, {tangent}"
-            )
-        if stiffness is None:
-            continue
-        closing = float(densest * (highest - lowest) / stiffness)
-        if closing > SOFT * smallest:
-            found.append(
-                f"joint: normal_stiffness = {stiffness:g} Pa/m lets joints close by "
-                f"{millimetres(closing)} under the weight of all that is above the lowest: is it "
-                "in kPa/mm, or MPa/mm? Then take it times 1e6, or 1e9"
-            )
-    return found
