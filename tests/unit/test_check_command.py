@@ -186,6 +186,22 @@ def test_courses_of_unequal_lengths_are_told(tmp_path):
     assert 'wall.courses[2]: "h1h" is 2 units long, the longest course 3' in found[0]
 
 
+@pytest.mark.parametrize(
+    ("new", "said"),
+    [(".5", "0.5"), ("5.", "5.0"), ("+.25", "0.25"), ("1.e9", "1.0"), ("[.4, 1.0]", "0.4")],
+)
+def test_a_number_without_a_digit_beside_its_point_is_told(tmp_path, new, said):
+    result = drystone("check", written(tmp_path, ("thickness = 1.0", f"thickness = {new}")))
+    assert result.exit_code == 2
+    assert f"write digits before and after the point, as in {said}\n" in result.stderr
+
+
+@pytest.mark.parametrize("new", ["1 000", '"a.b', "0.5 m", "1.2.3"])
+def test_other_torn_values_are_not_told_of_a_point(tmp_path, new):
+    result = drystone("check", written(tmp_path, ("thickness = 1.0", f"thickness = {new}")))
+    assert result.exit_code == 2 and "the point" not in result.stderr
+
+
 @pytest.mark.parametrize(("old", "new"), [("thickness = 1.0", "thickness = 0,5")])
 def test_a_decimal_comma_is_told(tmp_path, old, new):
     result = drystone("check", written(tmp_path, (old, new)))

@@ -27,6 +27,9 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{DEEPEST}}}")
 #: A number with a decimal comma, as the value of a key.
 _COMMA = re.compile(r"""^\s*[\w."'-]+\s*[=:]\s*([-+]?\d+),(\d+)""")
 
+#: A decimal point, and the digits before and after it.
+_POINT = re.compile(r"(?<![\w.])(\d*+)\.(\d*+)(?!\.)")
+
 
 def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
     """TOML or JSON, told apart by ``is_json`` or by the opening brace that no TOML file has."""
@@ -48,7 +51,7 @@ def parse(contents: bytes, *, is_json: bool) -> dict[str, Any]:
         else:
             data = tomllib.loads(text)
     except json.JSONDecodeError as error:
-        hint = _decimal_comma(text, error.lineno)
+        hint = _of_number(_line(text, error.lineno), error.colno)
         raise ModelError(
             [f"line {error.lineno}, column {error.colno}: not valid JSON: {error.msg}{hint}"]
         ) from None
@@ -105,18 +108,29 @@ def _torn_toml(message: str, text: str) -> str:
     if not match:
         return f"not valid TOML: {message}"
     what, where = match.groups()
-    hint = _decimal_comma(text, int(where.split()[1].rstrip(","))) if where[:4] == "line" else ""
+    hint = ""
+    if where[:4] == "line":
+        line, column = (int(word) for word in re.findall(r"\d+", where))
+        hint = _of_number(_line(text, line), column)
     if where == "end of document":
         lines = text.rstrip("\n").split("\n")
         where = f"line {len(lines)}, column {len(lines[-1]) + 1} (end of the file)"
     return f"{where}: not valid TOML: {what}{hint}".replace("\n", " ")
 
 
-def _decimal_comma(text: str, line: int) -> str:
-    """End of a sentence where a line gives a key a number with a comma, else nothing."""
-    lines = text.split("\n")
-    found = _COMMA.search(lines[line - 1]) if 0 < line <= len(lines) else None
-    if not found:
-        return ""
-    whole, decimals = found.groups()
-    return f": write decimals with a point, as in {whole}.{decimals}"
+def _line(text: str, number: int) -> str:
+    """A line of a text, counted from 1; nothing beyond its end."""
+    return "".join(text.split("\n")[number - 1 : number])
+
+
+def _of_number(line: str, column: int) -> str:
+    """End of a sentence where a line has a number as TOML does not write it, else nothing."""
+    found = _COMMA.search(line)
+    if found:
+        whole, decimals = found.groups()
+        return f": write decimals with a point, as in {whole}.{decimals}"
+    for number in _POINT.finditer(line):
+        whole, decimals = number.groups()
+        if number.start() <= column <= number.end() + 1 and bool(whole) != bool(decimals):
+            return f": write digits before and after the point, as in {whole or 0}.{decimals or 0}"
+    return ""
