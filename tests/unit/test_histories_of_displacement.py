@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import synthetic
 
 import drystone as ds
 from builders import stack, stiff_joint
@@ -259,3 +260,8 @@ def test_thousands_of_cycles_can_be_interrupted_and_read(tmp_path):
     curve = ds.pushover(model, recorder=Recorder())
     assert curve.status == "interrupted" and len(curve.points) >= 199
     assert curve.is_cyclic and curve.cycles and curve.cycles[0].closed
+
+
+def test_an_envelope_without_a_way_out_ends_at_zero_without_a_sign():
+    """A curve that goes one way alone, seen in the other."""
+    assert "goes to 0 m, where" in synthetic.curve().outward(-1.0).reason

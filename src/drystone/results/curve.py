@@ -513,7 +513,7 @@ class CapacityCurve:
         sense, or nearer than the points before, counts from the farthest of these on; what happened
         after the last of the points kept does not count.
         """
-        x = sense * self.control_displacement
+        x = sense * self.control_displacement + 0.0  # -0 becomes 0
         farthest = np.maximum.accumulate(np.concatenate(([0.0], x[:-1])))
         rows = np.concatenate(([0], 1 + np.flatnonzero(x[1:] > farthest[1:])))
 
