@@ -40,6 +40,15 @@ def leaning():
 
 
 @ENGINES
+def test_a_stop_value_changes_where_a_curve_ends_and_nothing_before(engine):
+    model = KINDS["arches-plane"](10)
+    whole, part = (pushover(model, engine=engine, stop_multiplier=stop) for stop in (0.01, 0.1))
+    assert len(whole.points) > len(part.points) > 20
+    n = len(part.points) - 1  # the last step is shortened to end there
+    assert part.points[:n] == whole.points[:n]
+
+
+@ENGINES
 def test_curves_begin_where_the_load_does(engine):
     """With the weight W off the middle by e, two contact points b apart close by W/2 (1 -+ 2e/b)
     over k_n b/2 each, which turns the block by 4 W e / (k_n b^3)."""
