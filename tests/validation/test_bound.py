@@ -75,9 +75,9 @@ def test_no_capacity_lies_above_the_bound_untold(made, seed):
     assert told is None or any(cause in told for cause in CAUSES), told
 
 
-@pytest.mark.parametrize("seed", [21, 61, 76, 81, 91, 106, 116, 141])
+@pytest.mark.parametrize("seed", [21, 61, 76, 81, 106, 116, 141])
 def test_what_a_motion_carries_against_the_mechanism_is_below_the_bound(seed):
-    """Eight of 150 lie above by 1e-4 to 4e-3: excesses set more in motion than has to move."""
+    """They lie above by 1e-4 to 4e-3: excesses set more in motion than has to move."""
     *_, told = above("space", seed)
     assert told is not None and "because it is read off a motion" in told
     model = random_solids(seed)
