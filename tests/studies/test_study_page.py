@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 
+import pytest
 from test_study_findings import ISHIGAMI
 from test_study_walls import STUDY, WALL
 from typer.testing import CliRunner
@@ -156,3 +157,16 @@ def test_a_search_that_has_found_a_jump_is_finished(tmp_path):
     assert CliRunner().invoke(app, command).exit_code == 0
     page = text_of((out / "report.html").read_text())
     assert "y salta oltre 3: è 0 con a = " in page and "non è concluso" not in page
+
+
+def test_what_hardly_changes_an_output_is_not_drawn_as_a_change():
+    effect = {"low": 1.0 - 1e-6, "high": 1.0 + 1e-6, "low_value": 0.5, "high_value": 0.8}
+    found = {
+        "effects": {"peak_multiplier": {"friction": effect}},
+        "columns": {"peak_multiplier": {"mean": 1.0}},
+    }
+    low, high = tornado(found, "").axes[0].get_xlim()
+    assert high - low == pytest.approx(0.01)
+    effect["low"], effect["high"] = 0.9, 1.5
+    low, high = tornado(found, "").axes[0].get_xlim()
+    assert high - low == pytest.approx(0.6 * 1.24)

@@ -20,6 +20,8 @@ from drystone.studies.words import in_figure, of_column, of_sentence
 
 #: Curves that bands are made of, and those that are drawn one by one.
 MOST_CURVES, DRAWN = 4000, 60
+#: Least width of an axis of effects, over the mean: what hardly changes is not drawn as a change.
+LEAST_SPAN = 0.01
 #: Samples that a scatter shows.
 MOST_POINTS = 4000
 _BLUE, _RED, _GREEN = canvas.CURVE_COLOURS[:3]
@@ -149,6 +151,9 @@ def tornado(found: Mapping[str, Any], title: str) -> Any:
         axes.axvline(middle, color=canvas.INK, lw=0.8)
         axes.set_yticks(range(len(ordered)), [canvas.literal(label) for label, _ in ordered])
         axes.margins(x=0.12)
+        low, high = axes.get_xlim()
+        if high - low < (least := LEAST_SPAN * abs(middle)):
+            axes.set_xlim(middle - 0.5 * least, middle + 0.5 * least)
         axes.set_xlabel(in_figure("mean_of", column=of_column(name)), fontsize=9)
     about = in_figure("tenths")
     figure.suptitle(f"{_title(title)}\n{about}", fontsize=10)
