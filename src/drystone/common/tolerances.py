@@ -448,10 +448,10 @@ PEAK_SHARE = 2e-4
 #: Derived: the accuracy of a curve.
 SNAP_SHARE = PEAK_SHARE
 
-#: Least multiplier to which shares of the peak refer, over `STOP_MULTIPLIER`, the default, so that
-#: a curve does not depend on where it is to end.  Range: plane: the same.  Space: a peak by 1.3e-3
-#: where doubled, steps by 0.6 %.
-LEAST_PEAK = 10.0
+#: Least multiplier to which shares of the peak refer: not of the stop value that is asked for, so
+#: that a curve does not depend on where it is to end.  Range: plane: the same.  Space: a peak by
+#: 1.3e-3 where doubled, steps by 0.6 %.
+LEAST_PEAK = 10.0 * STOP_MULTIPLIER
 
 #: Least reaction of moving supports to which shares of the largest reaction refer, over the
 #: heaviest weight (times the smallest block if supports rotate).  If blocks only ride along, the

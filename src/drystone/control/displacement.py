@@ -286,7 +286,7 @@ class DisplacementControl(Strategy[DisplacementState]):
 
     def _scale(self, state: DisplacementState) -> float:
         """The multiplier that shares of the peak refer to: the peak so far, or a least value."""
-        return max(state.highest, tolerances.LEAST_PEAK * tolerances.STOP_MULTIPLIER)
+        return max(state.highest, tolerances.LEAST_PEAK)
 
     def _carried(self, state: DisplacementState) -> float:
         """The highest multiplier that the structure has carried so far."""

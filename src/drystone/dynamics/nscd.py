@@ -199,7 +199,7 @@ class NscdEngine(Engine[NscdState]):
         """One implicit step; see `Engine.step`."""
         new, outcome = self._step(state, demand)
         if outcome.converged:
-            outcome = changed(outcome, late=new.prepared.bars.late(new.ties))
+            outcome = changed(outcome, late=max(0.0, -new.ties.margin.min(initial=np.inf)))
         if outcome.converged and outcome.dynamic and demand.multiplier is not None:
             prepared = new.prepared
             left = departing(
@@ -297,7 +297,7 @@ class NscdEngine(Engine[NscdState]):
         add_contact_forces(self._acted(new), reaction[chosen], there)
         if ties and own.ties:
             self._pull(own.ties, ties, solved.velocity, pose, force, there)
-            new = replace(new, ties=own.ties.ended())
+            new = replace(new, ties=own.ties.ended(yields=False))  # yielding is solved for
         acceleration = (solved.velocity - before) / h
         inertia = loads.mass * acceleration
         certificate = certify(

@@ -374,13 +374,6 @@ class Bars:
         """The state once all have broken that are elongated too far."""
         return self.past(state, np.flatnonzero(state.elongation > self.value[:, kernel.BREAKING]))
 
-    def late(self, state: TieState) -> float:
-        """Largest elongation of a tie that is not broken, beyond that at which it breaks, over the
-        latter; zero if there is none."""
-        there = (state.branch != BROKEN) & np.isfinite(self.value[:, kernel.BREAKING])
-        beyond = state.elongation[there] / self.value[there, kernel.BREAKING] - 1.0
-        return float(beyond.max(initial=0.0))
-
     def whole(self, state: TieState) -> IntArray:
         """Bodies that ties join which are not broken, (., 2)."""
         return self.body[state.branch != BROKEN]
