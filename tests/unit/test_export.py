@@ -31,8 +31,8 @@ from drystone.report.folder.directory import ResultsDirectory
 from drystone.report.folder.pictures import mechanism_row
 from drystone.results.curve import COLUMNS, SETTLEMENT
 from drystone.results.events import Event, EventKind
+from drystone.results.forces import TieRecord
 from drystone.results.frames import rows_along
-from drystone.results.kept import TieRecord
 
 FILES = {"summary.json", "curve.csv", "curve.png", "mechanism.png", "results.h5", "paraview"}
 PROMISED = {

@@ -32,7 +32,7 @@ from drystone.results.curve import (
 )
 from drystone.results.event_log import EventLog
 from drystone.results.events import named
-from drystone.results.kept import KeptContacts, TieRecord
+from drystone.results.forces import KeptContacts, TieRecord
 
 
 class Recorder(Protocol):

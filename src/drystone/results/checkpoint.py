@@ -11,7 +11,7 @@ from drystone.common.codec import Packed
 from drystone.contact.forces import ContactForces
 from drystone.model.model import Model
 from drystone.results.curve import BlockLeft, CurvePoint
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 
 @dataclass(frozen=True, kw_only=True)

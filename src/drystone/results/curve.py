@@ -18,7 +18,7 @@ from drystone.contact.forces import ContactForces
 from drystone.model.monitor import ControlPoint
 from drystone.results.cycles import Cycle, cycles_of, envelope
 from drystone.results.events import PRINTED, Event, first_collapse
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

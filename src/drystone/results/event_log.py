@@ -29,7 +29,7 @@ from drystone.model.model import Model
 from drystone.model.ties import BROKEN, YIELDING, Tie, TieState, names_of
 from drystone.results.curve import STATIC, BlockLeft, CurvePoint, falls
 from drystone.results.events import Event, EventKind, Outcome
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 #: Share of a block's smallest extent up to which a jump is no event.  The steps of
 #: `equilibrium` are as long or longer, so that a curve does not tell such a jump from a step.

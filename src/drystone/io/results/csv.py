@@ -12,7 +12,7 @@ from drystone.io.results.names import CURVE, TIES
 from drystone.io.results.outputs import Finished, Output
 from drystone.model.construction.words import in_a_cell
 from drystone.results.curve import COLUMNS, CapacityCurve
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 #: The columns that readers rely on come first; the others follow in the order of `CurvePoint`.
 LEADING = (

@@ -22,7 +22,7 @@ from drystone.io.results.hdf5 import (
 )
 from drystone.io.results.journal import overlaid, pending
 from drystone.results.curve import BlockLeft, CurvePoint
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 #: Contact points that are read at a time where points are asked for in turn: some 2 MB.
 READ_AHEAD = 1 << 14

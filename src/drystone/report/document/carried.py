@@ -13,7 +13,7 @@ from drystone.model.loading import DeadLoad
 from drystone.model.model import Model
 from drystone.model.ties import STATES, Tie, TieEnd, names_of
 from drystone.report.document.facts import NOTHING, number
-from drystone.results.kept import TieRecord
+from drystone.results.forces import TieRecord
 
 Words = Mapping[str, str]
 

@@ -1,4 +1,4 @@
-"""What a curve keeps beside its points: the forces of contacts and of ties."""
+"""Forces of contacts and ties at the points of a curve."""
 
 from __future__ import annotations
 
