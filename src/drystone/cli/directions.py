@@ -269,8 +269,8 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
     from drystone.report.directions_figure import Traced, draw_directions
 
     known = [row for row in rows if row.get("peak_multiplier") is not None]
-    least = min(known, key=lambda row: row["peak_multiplier"])
-    weakest = min(known, key=lambda row: row["capacity_multiplier"])
+    least = _least(rows, "peak_multiplier")
+    weakest = _least(rows, "capacity_multiplier")
     summary = plain(
         {
             "title": model.title,
@@ -278,10 +278,10 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
             "model_sha256": model.sha256,
             "version": package_version(),
             "n_directions": len(rows),
-            "least_peak_multiplier": least["peak_multiplier"],
-            "least_at": least["angle"],
-            "least_capacity_multiplier": weakest["capacity_multiplier"],
-            "least_capacity_at": weakest["angle"],
+            "least_peak_multiplier": least.get("peak_multiplier"),
+            "least_at": least.get("angle"),
+            "least_capacity_multiplier": weakest.get("capacity_multiplier"),
+            "least_capacity_at": weakest.get("angle"),
             "directions": [{key: row.get(key) for key in COLUMNS} for row in rows],
         }
     )
@@ -313,6 +313,26 @@ def write(model: Model, rows: Sequence[dict[str, Any]], folder: Path) -> dict[st
     return summary  # type: ignore[no-any-return]
 
 
+def _least(rows: Sequence[Mapping[str, Any]], multiplier: str) -> Mapping[str, Any]:
+    """The direction with the least of these multipliers; empty where it is not known.
+
+    Where a curve has not passed its peak, the multiplier so far is a lower bound.
+    """
+    from drystone.io.results.summary import rises_after_collapse
+
+    def is_known(row: Mapping[str, Any]) -> bool:
+        if multiplier == "capacity_multiplier" and row.get(multiplier) is not None:
+            return bool(row["peak_passed"]) or rises_after_collapse(row)
+        return bool(row.get("peak_passed"))
+
+    passed = [row for row in rows if is_known(row)]
+    if not passed:
+        return {}
+    least = min(passed, key=lambda row: row[multiplier])
+    known = all((row.get(multiplier) or 0.0) >= least[multiplier] for row in rows)
+    return least if known else {}
+
+
 def _cell(value: Any) -> Any:
     return " ".join(f"{x:.12g}" for x in value) if isinstance(value, list) else value
 
@@ -332,10 +352,13 @@ def report(summary: dict[str, Any], folder: Path) -> str:
         if row["status"] != "finished":
             what += f" ({row['status']})"
         lines.append(f"  {_degrees(row['angle']):<22} {printable(what)}")
-    least = (
-        f"{summary['least_capacity_multiplier']:.4f} at {_degrees(summary['least_capacity_at'])}"
-    )
-    return "\n".join([*lines, f"  {'least capacity':<22} {least}", f"  {'results':<22} {folder}/"])
+    rows = summary["directions"]
+    if (least := summary["least_capacity_multiplier"]) is None:
+        n_open = sum(not row["peak_passed"] for row in rows)
+        what = f"not known: {n_open} of {len(rows)} directions have not passed their peak"
+    else:
+        what = f"{least:.4f} at {_degrees(summary['least_capacity_at'])}"
+    return "\n".join([*lines, f"  {'least capacity':<22} {what}", f"  {'results':<22} {folder}/"])
 
 
 def _strength(row: Mapping[str, Any]) -> str:

@@ -140,6 +140,9 @@ def speak_ticks(axes: Axes) -> None:
         def __call__(self, x: float, pos: int | None = None) -> str:
             return with_mark(super().__call__(x, pos), language)
 
+        def get_offset(self) -> str:  # what all numbers of an axis have in common
+            return with_mark(super().get_offset(), language)
+
     if language != "en":
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(Spoken())
