@@ -265,6 +265,7 @@ class TestAssessment:
         notes = verdict.assessment.assumptions
         assert any("fall" in note for note in notes)
         assert 'on the block "c6u3", takes no part' in notes[1]  # after the sense
+        assert "or name the part in [assessment] parts_that_may_fall" in notes[1]
 
     def test_a_control_point_that_stays_behind_gives_no_verdict(self):
         """The small block falls in a jump, of which the tall one's displacements say nothing."""
