@@ -205,7 +205,12 @@ class TestEnds:
             say("end.too_stiff"),
             say("end.timeout", seconds=0.5),
             say("end.no_verdict", why=say("refused.short", last=0.1, end=0.2)),
-            say("end.does_not_stand", weight=say("end.own_weight"), blocks='"b" (388 mm)'),
+            say("end.does_not_stand_one", weight=say("end.own_weight"), blocks='"b" (388 mm)'),
+            say(
+                "end.does_not_stand",
+                weight=say("end.own_weight"),
+                blocks='"b" (388 mm), "c" (9 mm)',
+            ),
             say(
                 "end.does_not_stand_more",
                 weight=say("end.with_loads_of", stage=1),

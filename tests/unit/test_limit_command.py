@@ -61,6 +61,15 @@ def test_both_flows_are_printed(upright):
     assert [line.split()[0] for line in lines] == ["associative", "non-associative"]
 
 
+def test_no_multiplier_is_minus_zero(upright):
+    """Without friction the block slides under no load; rounding leaves about -1e-17."""
+    upright.write_text(upright.read_text().replace("0.65", "0.0"))
+    result = drystone(upright)
+    assert result.exit_code == 0
+    found = [line for line in result.stdout.splitlines() if "associative" in line]
+    assert all(" 0.00000" in line and "-0.0" not in line for line in found)
+
+
 @pytest.mark.parametrize("flow", [None, "associative", "non-associative"])
 def test_json_has_the_promised_keys(upright, flow):
     result = drystone(upright, "--json", *(["--flow", flow] if flow else []))

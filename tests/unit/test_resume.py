@@ -43,6 +43,11 @@ def same(first: ds.CapacityCurve, second: ds.CapacityCurve) -> bool:
     )
 
 
+def test_a_folder_that_is_not_there_is_named():
+    with pytest.raises(OutputError, match="there is no folder nowhere"):
+        ds.resume("nowhere")
+
+
 # Records as trees and arrays.
 
 

@@ -211,4 +211,5 @@ def unstable_sentence(problem: Problem, motion: Array, stage: int | None = None)
     if len(moving) > NAMED:
         more = len(moving) - NAMED
         return say("end.does_not_stand_more", weight=weight, blocks=named, n=more)
-    return say("end.does_not_stand", weight=weight, blocks=named)
+    key = "end.does_not_stand_one" if len(moving) == 1 else "end.does_not_stand"
+    return say(key, weight=weight, blocks=named)

@@ -121,8 +121,12 @@ class ResultsDirectory:
         Raises
         ------
         OutputError
-            Another run writes there, or nothing is kept that can be read.
+            There is no such folder, another run writes there, or nothing is kept that can be read.
         """
+        if not self.path.is_dir():
+            raise OutputError(
+                f"there is no folder {self.path}: name the folder of a run that stopped"
+            )
         self._lock = in_a_sentence(lambda: FolderLock(self.path))
         self._kept = kept_in(self.path)
         self._part_of = self._kept.part_of
