@@ -150,18 +150,14 @@ def report(title: str, results: Sequence[Collapse], folder: Path | None) -> str:
 def _value(result: Collapse) -> str:
     if result.status != "finished":
         return result.reason
-    low, high = (_rounded(bound) for bound in result.collapse_range)
-    text = _rounded(result.load_multiplier)
-    if result.flow == Flow.non_associative.value:
-        paths = "1 path" if result.n_paths == 1 else f"{result.n_paths} paths"
-        text += f"   lowest of {low} to {high} over {paths}"
-    return text
-
-
-def _rounded(multiplier: float) -> str:
     from drystone.limit import range_text
 
-    return range_text((multiplier, multiplier), 5)
+    text = range_text((result.load_multiplier, result.load_multiplier), 5)
+    if result.flow == Flow.non_associative.value:
+        found = range_text(result.collapse_range, 5)
+        paths = "1 path" if result.n_paths == 1 else f"{result.n_paths} paths"
+        text += f"   over {paths}" if found == text else f"   lowest of {found} over {paths}"
+    return text
 
 
 def _empty(flow: Flow | None) -> dict[str, Any]:
