@@ -26,7 +26,7 @@ from hypothesis import strategies as st
 
 from builders import stack
 from drystone.analysis.driver import pushover
-from drystone.common.tolerances import ALL_BUT
+from drystone.common.tolerances import ALL_BUT, FLOOR_SHARE
 from drystone.control import (
     ControlError,
     DisplacementSettings,
@@ -559,7 +559,7 @@ class TestPublished:
     def test_what_falls_for_long_has_collapsed_in_motion(self):
         curve = trace(FallingFreely(dynamic=True), "published")
         assert curve.status == "finished" and "collapsed in motion" in curve.reason
-        # Of one step each, 25 to `fall_motion`, one beyond it, and one before less is applied.
+        # Of one step each, 25 to `FALL_MOTION`, one beyond it, and one before less is applied.
         late = curve.control_displacement > 0.1
         assert 25 <= (curve.column("status") == DYNAMIC)[late].sum() <= 27
 
@@ -662,7 +662,7 @@ class TestJumps:
     def test_what_falls_without_load_has_collapsed_in_motion(self):
         curve = trace(JumpingStructure([-0.2]), "displacement")
         assert curve.status == "finished" and "collapsed in motion" in curve.reason
-        # Steps of one largest increment each, 25 of them to `fall_motion`, and one beyond it.
+        # Steps of one largest increment each, 25 of them to `FALL_MOTION`, and one beyond it.
         assert (curve.column("status") == DYNAMIC).sum() in (25, 26)
         rest = curve.column("status") == STATIC
         at_rest = curve.control_displacement[rest].max()
@@ -727,7 +727,7 @@ class TestJumps:
     @pytest.mark.parametrize(
         ("travelled", "multiplier", "ends"),
         [
-            (26.0, -0.1, True),  # steps, of the control point, beyond `fall_motion`
+            (26.0, -0.1, True),  # steps, of the control point, beyond `FALL_MOTION`
             (24.0, -0.1, False),
             (26.0, 0.1, False),  # what carries on the way is no free fall
         ],
@@ -1024,7 +1024,7 @@ class TestWhatAStepHides:
         curve = trace(structure, "displacement", max_displacement=2.0 * place)
         d = curve.control_displacement
         (before,) = d[:-1][(d[:-1] <= place) & (place < d[1:])]
-        smallest = DisplacementSettings(displacement_step=STEP).floor_share * STEP
+        smallest = FLOOR_SHARE * STEP
         assert place - before <= 4.0 * smallest
         assert min(demand.increment for demand in structure.demands) >= smallest
 
@@ -1207,6 +1207,12 @@ class TestOneValidation:
         with pytest.raises(ModelError) as told:
             read_model(tmp_path / "wall.json")
         assert said in told.value.problems[0]
+
+    @pytest.mark.parametrize("name", ["upright", "suited_step", "refined_share", "jump", "fall"])
+    def test_what_follows_from_the_model_is_no_setting(self, name):
+        """It would be taken as it is: there is no range to check it by."""
+        with pytest.raises(EngineError, match=f'there is no setting "{name}"'):
+            pushover(published_wall(1), **{name: 1.0})
 
     @pytest.mark.parametrize("cls", [PublishedSettings, ExcessSettings, DisplacementSettings])
     def test_settings_made_by_hand(self, cls):

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.analysis.sitting import SITTING
 from drystone.common import tolerances
-from drystone.common.ranges import problem
+from drystone.common.ranges import RANGES, problem
 from drystone.control import (
     Control,
     ControlError,
@@ -59,7 +59,8 @@ STILL = 1.0
 
 STRATEGIES = ("displacement", "published")
 
-#: Names of the settings of an analysis that are no conditions under which it stops.
+#: Names of the settings of an analysis that are no conditions under which it stops: those of the
+#: strategies that have a range.  The others follow from the model and the engine.
 SETTINGS = {
     "mechanism_displacement",
     *SITTING,
@@ -67,7 +68,7 @@ SETTINGS = {
         key.name
         for cls in (PublishedSettings, ExcessSettings, DisplacementSettings)
         for key in fields(cls)
-        if key.name not in ("stops", "farthest")
+        if key.name in RANGES
     ),
 }
 
@@ -149,7 +150,6 @@ def _support_control(
     if settlement.rotates:
         lever = settlement.lever(assembly)
     step = options["displacement_step"]
-    unused = SETTINGS | {"farthest", "max_displacement"}
     return SupportControl(
         SupportSettings(
             largest=settlement.largest,
@@ -163,7 +163,7 @@ def _support_control(
             fall=tolerances.SUPPORT_FALL * assembly.smallest_extent,
             grow_iterations=int(options.get("grow_iterations", SupportSettings.grow_iterations)),
             # How far supports go, [settlement] says.
-            stops=stops_of({k: x for k, x in options.items() if k not in unused}),
+            stops=stops_of({key: x for key, x in options.items() if key != "max_displacement"}),
         )
     )
 

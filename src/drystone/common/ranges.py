@@ -90,6 +90,8 @@ RANGES = {
     "overshoot": Range(least=1.0, most=100.0),
     "balance_tolerance": Range(least=1e-12, most=1e3),
     "patience": Range(least=0, most=1_000_000_000, whole=True),
+    "bend_share": Range(least=1e-6, most=1.0),
+    "jump_steps": Range(least=1, most=1_000_000_000, whole=True),
     "displacement_step": Range(least=1e-9, most=1e6, unit="m"),
     "column_time": Range(least=-1e6, most=1e6, unit="s"),
     "column_value": Range(least=-1e6, most=1e6),

@@ -41,14 +41,14 @@ from drystone.control.ends import (
 )
 from drystone.engines.base import OVERSHOOT_PARTS, Demand, StepReport
 
-#: How a step is tried: along the path of equilibria; up to its fold; over the fold to an
-#: equilibrium beyond it.
-FOLLOWING, NEARING, CROSSING = 0, 1, 2
-
-
 #: Times that a step is shortened to where its chord meets the stop value, before it is halved too.
 CHORDS = 2
 
+#: Steps after a failure until increments grow again.
+GROWN_AFTER = 3
+
+#: Steps of a jump after which a time step that failed is tried again.
+RETRIED_AFTER = 5
 
 #: Number of steps since the last failure, if no step has failed.
 LONG_AGO = 1_000_000
@@ -58,19 +58,9 @@ LONG_AGO = 1_000_000
 class DisplacementSettings(StepSettings):
     """Settings of the steps and of the jumps.  The displacement step is the largest increment."""
 
-    first_share: float = tolerances.FIRST_SHARE  # first increment over the largest
-    floor_share: float = tolerances.FLOOR_SHARE  # smallest increment over the largest
-    # Smallest increment to a peak or a bend, over the largest increment; and the largest relative
-    # distance of the last point from the stop value.
-    refined_share: float = tolerances.REFINED_SHARE
     bend_share: float = tolerances.BEND_SHARE  # largest bend of the curve in a step, over the peak
     time_step: float = tolerances.JUMP_TIME_STEP  # s, of the first step of a jump
     grow_iterations: int = 12  # iterations of a step up to which increments grow
-    grown_after: int = 3  # steps after a failure until increments grow again
-    retried_after: int = 5  # steps of a jump after which a time step that failed is tried again
-    # Motion of a block, over the `motion_length`, after which the structure has collapsed.  It
-    # counts in the parts of a jump in which the load holds the control point back.
-    fall_motion: float = tolerances.FALL_MOTION
     # Steps without rest after which a jump is not followed further.  A falling block moves by about
     # the `motion_length` in each.
     jump_steps: int = 5000
@@ -106,7 +96,7 @@ class DisplacementState:
     loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows
     next_load: float = 0.0  # next load increment, until a displacement increment succeeds
     closing: float = math.inf  # m, closure of the joint that closes most under the dead load
-    stage: int = FOLLOWING
+    crossing: bool = False  # whether the next step is to pass over a fold
     unstable: bool = False  # whether the last point was an unstable equilibrium
 
 
@@ -119,7 +109,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         """Demand a small first increment, no larger than joints close under the dead load."""
         s = self.settings
         closing = report.penetration if report.penetration > 0.0 else math.inf
-        first = min(s.first_share * s.displacement_step, closing)
+        first = min(tolerances.FIRST_SHARE * s.displacement_step, closing)
         return self._decided(self._begun(first, closing))
 
     def _begun(self, increment: float, closing: float) -> DisplacementState:
@@ -134,7 +124,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if state.time_step == 0.0:
             return Demand(
                 increment=self._within(state),
-                over_fold=state.stage == CROSSING,
+                over_fold=state.crossing,
                 full_search=self._wants_full_search(state),
             )
         # In a jump the control point creeps with an acceleration that does not depend on the step.
@@ -151,7 +141,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         """
         s = self.settings
         left = s.last_displacement - state.displacement
-        least = s.floor_share * min(s.displacement_step, s.last_displacement)
+        least = tolerances.FLOOR_SHARE * min(s.displacement_step, s.last_displacement)
         return min(state.increment, max(left, least))
 
     def _wants_full_search(self, state: DisplacementState) -> bool:
@@ -162,7 +152,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         """
         s = self.settings
         small = state.increment <= tolerances.FULL_SEARCH_SHARE * s.displacement_step
-        return small and state.stage != CROSSING
+        return small and not state.crossing
 
     def decide(
         self, state: DisplacementState, demand: Demand, report: StepReport
@@ -226,7 +216,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         if not report.converged:
             return self._decided(state, End(reason=report.reason), accept=False)
         s = self.settings
-        first = s.first_share * s.displacement_step
+        first = tolerances.FIRST_SHARE * s.displacement_step
         n_steps = state.n_steps + 1
         state = changed(
             state,
@@ -279,7 +269,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             n_jump_steps=0,
             jump_time=0.0,
             rested_at=0.0,
-            stage=FOLLOWING,
+            crossing=False,
         )
         over = end_of_curve(s, self._progress(state, report))
         return self._decided(state, over, load_multiplier=multiplier, jumped=not near)
@@ -296,15 +286,15 @@ class DisplacementControl(Strategy[DisplacementState]):
         """A smaller increment [m] if the step hides the peak, a bend or the stop value, or None."""
         s = self.settings
         multiplier = report.static_multiplier
-        least = s.refined_share * s.displacement_step
+        least = tolerances.REFINED_SHARE * s.displacement_step
         stop = s.stop_after(state.highest)
         if multiplier < stop < state.last:
             # Aim just below the stop value, along the chord; a jump has no equilibria on its chord.
-            if stop - multiplier <= s.refined_share * stop:
+            if stop - multiplier <= tolerances.REFINED_SHARE * stop:
                 return None
             if self._is_jump(state, report):
                 return self._looked_at(state)
-            aim = (1.0 - 0.5 * s.refined_share) * stop
+            aim = (1.0 - 0.5 * tolerances.REFINED_SHARE) * stop
             share = (state.last - aim) / (state.last - multiplier)
             if state.n_shorter >= CHORDS:
                 share = 0.5 * share  # the curve is bent so much that halving is better
@@ -316,7 +306,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         excess, share = report.path.excess
         highest = max(state.last, multiplier) + excess > state.highest
         hidden = excess > tolerances.PEAK_SHARE * scale and highest
-        finest = min(least, s.refined_share * state.closing)  # with stiff joints a peak comes early
+        # With stiff joints a peak comes early.
+        finest = min(least, tolerances.REFINED_SHARE * state.closing)
         if hidden and finest < share * state.increment < tolerances.ALL_BUT * state.increment:
             return share * state.increment
         bend, share = report.path.bend
@@ -335,7 +326,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         too small."""
         s = self.settings
         finer = tolerances.LOOKED_AT_SHARE * state.increment
-        return finer if finer > s.floor_share * s.displacement_step else None
+        return finer if finer > tolerances.FLOOR_SHARE * s.displacement_step else None
 
     def _straighter(
         self, state: DisplacementState, report: StepReport, scale: float
@@ -366,7 +357,7 @@ class DisplacementControl(Strategy[DisplacementState]):
         within the step, or None; for engines that do not report excess and bend."""
         s = self.settings
         multiplier = report.static_multiplier
-        finest = min(least, s.refined_share * state.closing)
+        finest = min(least, tolerances.REFINED_SHARE * state.closing)
         ahead = state.slope * state.increment
         if report.path.overshoot is not None:
             finer = self._less_overshoot(state, report, scale, finest)
@@ -411,7 +402,8 @@ class DisplacementControl(Strategy[DisplacementState]):
         if above > tolerances.OVERSHOOT_SHARE * scale:
             most, least = tolerances.OVERSHOOT_SHARE * scale, finest
         else:
-            most, least = tolerances.DRIVE_SHARE * scale, s.floor_share * s.displacement_step
+            most = tolerances.DRIVE_SHARE * scale
+            least = tolerances.FLOOR_SHARE * s.displacement_step
         if overshoot <= most or state.increment <= least:
             return None
         return max(min(max(most / overshoot, 0.25), 0.5) * state.increment, least)
@@ -436,11 +428,11 @@ class DisplacementControl(Strategy[DisplacementState]):
             return False
         if self._is_jump(state, report) and self._would_end(state, report):
             return True
-        if report.path.fold is None and state.stage != CROSSING:
+        if report.path.fold is None and not state.crossing:
             return False
         if self._is_jump(state, report):
             return True
-        if report.path.fold is None or state.stage == CROSSING:
+        if report.path.fold is None or state.crossing:
             return False
         share, multiplier, drop = report.path.fold
         if math.isnan(drop):
@@ -479,7 +471,7 @@ class DisplacementControl(Strategy[DisplacementState]):
                 since = math.inf
                 continue
             since = min(since, passed.control_displacement)
-            if passed.control_displacement - since > s.fall_motion * s.motion_length:
+            if passed.control_displacement - since > tolerances.FALL_MOTION * s.motion_length:
                 return True
         return False
 
@@ -507,13 +499,13 @@ class DisplacementControl(Strategy[DisplacementState]):
                 if self._carried(state) <= 0.0:
                     reason = say("end.nothing_found", why=report.reason)
                 return self._lost(state, report, reason)
-        elif state.stage == CROSSING and report.path.dynamic_states and report.dynamic:
+        elif state.crossing and report.path.dynamic_states and report.dynamic:
             # The step has followed the collapse itself: there is no jump left to follow.
             return self._lost(state, report, report.reason)
-        elif state.stage == CROSSING and self._load_grows_on(state):
+        elif state.crossing and self._load_grows_on(state):
             load = max(tolerances.PEAK_SHARE * self._scale(state), state.next_load)
             state = changed(state, load_increment=load, loaded_from=state.highest_at)
-        elif state.stage == CROSSING:
+        elif state.crossing:
             state = self._in_motion(state)
         else:
             state = changed(state, n_since=0)
@@ -522,9 +514,9 @@ class DisplacementControl(Strategy[DisplacementState]):
             shorter = tolerances.ALL_BUT * share if within else tolerances.SHORTER
             nearer = shorter * state.increment
             if nearer >= floor:
-                state = changed(state, stage=NEARING, increment=nearer)
+                state = changed(state, increment=nearer)
             else:
-                state = changed(state, stage=CROSSING, increment=tolerances.CROSSING_LENGTH * floor)
+                state = changed(state, crossing=True, increment=tolerances.CROSSING_LENGTH * floor)
         return self._decided(state, accept=False)
 
     def _load_grows_on(self, state: DisplacementState) -> bool:
@@ -534,12 +526,12 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _in_motion(self, state: DisplacementState) -> DisplacementState:
         """The state from which a jump is followed.  The jump may be one that seemed to be over."""
         first = self.settings.time_step
-        return changed(state, stage=FOLLOWING, time_step=first, acceleration=0.0, n_since=LONG_AGO)
+        return changed(state, crossing=False, time_step=first, acceleration=0.0, n_since=LONG_AGO)
 
     def _floor(self, state: DisplacementState) -> float:
         """The smallest increment that is tried along the path."""
         s = self.settings
-        floor = s.floor_share * s.displacement_step
+        floor = tolerances.FLOOR_SHARE * s.displacement_step
         if state.last == state.highest:
             floor = min(floor, tolerances.CLOSING_SHARE * state.closing)
             if state.slope > 0.0:  # a crossing hides no more than a bend may
@@ -564,16 +556,16 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _adapted(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
         if report.reached < 1.0:  # the step has ended early, where a bond breaks
-            least = s.floor_share * s.displacement_step
+            least = tolerances.FLOOR_SHARE * s.displacement_step
             increment = max(2.0 * report.reached * state.increment, least)
             increment = min(increment, state.increment) if report.reached else state.increment
-            return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0)
+            return changed(state, increment=increment, crossing=False, rested_at=0.0)
         scale = self._growth(state, report) if report.n_iterations <= s.grow_iterations else 1.0
         n_since = state.n_since + 1
-        if n_since < s.grown_after:
+        if n_since < GROWN_AFTER:
             scale = min(scale, 1.0)  # a longer step has just failed, and would fail again
         increment = min(scale * state.increment, s.displacement_step)
-        return changed(state, increment=increment, stage=FOLLOWING, rested_at=0.0, n_since=n_since)
+        return changed(state, increment=increment, crossing=False, rested_at=0.0, n_since=n_since)
 
     def _growth(self, state: DisplacementState, report: StepReport) -> float:
         """Factor for the next increment after few iterations: smaller for a larger bend or
@@ -594,14 +586,14 @@ class DisplacementControl(Strategy[DisplacementState]):
     def _jumping(self, state: DisplacementState, report: StepReport) -> DisplacementState:
         s = self.settings
         if self._is_static(state, report):
-            increment = tolerances.CROSSING_LENGTH * s.floor_share * s.displacement_step
+            increment = tolerances.CROSSING_LENGTH * tolerances.FLOOR_SHARE * s.displacement_step
             state = changed(state, time_step=0.0, rested_at=state.jump_time, increment=increment)
             return changed(state, too_long=math.inf, n_since=LONG_AGO)
         state = changed(state, acceleration=report.motion / state.time_step**2)
         if state.shortened:
             return changed(state, shortened=False)  # a longer time step has just failed
         longer, n_since = tolerances.JUMP_GROWTH * state.time_step, state.n_since + 1
-        if longer >= state.too_long and n_since < s.retried_after:
+        if longer >= state.too_long and n_since < RETRIED_AFTER:
             return changed(state, n_since=n_since)
         if report.motion < tolerances.JUMP_MOTION * s.motion_length:
             return changed(state, time_step=longer, n_since=n_since)
@@ -656,7 +648,7 @@ class DisplacementControl(Strategy[DisplacementState]):
             return collapsed(say("end.falls_back"), carried, s.stop_multiplier)
         if self._falls_freely(state, report):
             return fallen_freely(carried, s.stop_multiplier)
-        if state.fallen > s.fall_motion * s.motion_length:
+        if state.fallen > tolerances.FALL_MOTION * s.motion_length:
             if carries_nothing(s, carried):
                 return nothing_carried(s, state.n_steps)
             return fallen_freely(carried, s.stop_multiplier)

@@ -23,13 +23,15 @@ from drystone.control.excess import ExcessControl, ExcessSettings, ExcessState
 from drystone.control.history import InLegs, Leg, over_in_leg, seen
 from drystone.engines.base import Demand, StepReport
 
+#: Trials of the excess with which a step ends at the target.
+MOST_TRIES = 30
+
 
 @dataclass(frozen=True, kw_only=True)
 class ExcessHistorySettings(ExcessSettings):
     """Settings of the steps, and the targets."""
 
     targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
-    most_tries: int = 30  # trials of the excess with which a step ends at the target
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +85,7 @@ class ExcessHistoryControl(InLegs, ExcessControl):
             return corner
         before = leg.left(s.targets)
         left = changed(leg, now=report.control_displacement).left(s.targets)
-        if abs(left) <= self._near(report) or state.tries >= s.most_tries:
+        if abs(left) <= self._near(report) or state.tries >= MOST_TRIES:
             return None
         short, beyond = state.short, state.beyond
         if left < 0.0:

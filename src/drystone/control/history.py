@@ -32,13 +32,15 @@ from drystone.control.displacement import (
 from drystone.control.ends import End, EndSettings, Progress
 from drystone.engines.base import OVERSHOOT_PARTS, Demand, Fold, StepReport
 
+#: Times that a step is shortened to a corner of the path.
+MOST_SHORTER = 8
+
 
 @dataclass(frozen=True, kw_only=True)
 class HistorySettings(DisplacementSettings):
     """Settings of the steps, and the targets."""
 
     targets: tuple[float, ...] = ()  # m, control displacements to reach one after another
-    most_shorter: int = 8  # times that a step is shortened to a corner of the path
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,7 +226,7 @@ class HistoryControl(InLegs, DisplacementControl):
             return found
         increment, bend = found.increment, (state.slope - state.before_turn) * state.increment
         if abs(bend) <= s.bend_share * self._scale(state):
-            increment = max(increment, s.first_share * s.displacement_step)
+            increment = max(increment, tolerances.FIRST_SHARE * s.displacement_step)
         return changed(found, increment=increment, before_turn=None)
 
     def _turned(self, state: HistoryState, leg: Leg, sense: float, last: float) -> HistoryState:
@@ -232,7 +234,7 @@ class HistoryControl(InLegs, DisplacementControl):
         return HistoryState(
             # Joints that slid at the target stick as soon as the motion turns.  A step as long as
             # the first of all would round off this corner of the loop.
-            increment=s.first_share * min(s.displacement_step, state.closing),
+            increment=tolerances.FIRST_SHARE * min(s.displacement_step, state.closing),
             highest=max(last, 0.0),
             highest_at=-math.inf,
             last=last,
@@ -259,8 +261,8 @@ class HistoryControl(InLegs, DisplacementControl):
             if (rise := self._before_rise(state, report, -bend)) is not None:
                 return rise
             share = 1.0 - bend / ahead if ahead > 0.0 else 0.0
-        finest = s.refined_share * state.closing
-        hidden = bend > s.bend_share * self._scale(state) and state.n_shorter < s.most_shorter
+        finest = tolerances.REFINED_SHARE * state.closing
+        hidden = bend > s.bend_share * self._scale(state) and state.n_shorter < MOST_SHORTER
         if hidden and finest < share * state.increment < state.increment - finest:
             return share * state.increment
         return None
@@ -275,7 +277,7 @@ class HistoryControl(InLegs, DisplacementControl):
         """
         s, share = self.settings, report.path.rise
         hidden = above / (self._scale(state) * s.bend_share)
-        if report.path.overshoot is None or hidden <= 1.0 or state.n_shorter >= s.most_shorter:
+        if report.path.overshoot is None or hidden <= 1.0 or state.n_shorter >= MOST_SHORTER:
             return None
         if share is None:  # it rises all along, and a parabola leaves its tangent by four times
             if hidden <= 4.0:  # what it leaves its chord by

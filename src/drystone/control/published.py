@@ -44,9 +44,6 @@ class PublishedSettings(StepSettings):
     balance_tolerance: float = tolerances.BALANCE_TOLERANCE
     patience: int = 20  # steps without balance, nor progress towards it, after the peak is passed
     time_step: float = tolerances.PUBLISHED_TIME_STEP  # s, ascending, and at first descending
-    # Motion of a block, over the `motion_length`, after which the structure has collapsed.  It
-    # counts in motion and under next to no load.
-    fall_motion: float = tolerances.FALL_MOTION
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -169,7 +166,7 @@ class PublishedControl(Strategy[_State]):
 
     def _end(self, state: _State, report: StepReport) -> End | None:
         s = self.settings
-        if state.fallen > s.fall_motion * s.motion_length:
+        if state.fallen > tolerances.FALL_MOTION * s.motion_length:
             return fallen_freely(state.highest, s.stop_multiplier)
         goes_on = state.descending and self._goes_on(state, report)
         return end_of_curve(

@@ -19,6 +19,12 @@ from drystone.control.progress import End, Progress
 from drystone.control.stops import Stops, stops_of
 from drystone.engines.base import Demand, StepReport
 
+#: Smallest steps with a jump in a row after which the structure falls.
+MOST_JUMPS = 10
+
+#: Steps with the supports held after which the motion is given up.
+HELD_STEPS = 5000
+
 
 @dataclass(frozen=True, kw_only=True)
 class SupportSettings:
@@ -28,15 +34,9 @@ class SupportSettings:
     step: float  # m, largest step
     unit: float  # N or N m, reaction of which the multiplier is one
     scale: float = 1.0  # m, motion of a block per rad if supports rotate
-    first_share: float = tolerances.FIRST_SHARE  # first step over the largest
-    floor_share: float = tolerances.SUPPORT_FLOOR  # smallest step over the largest
-    most_jumps: int = 10  # smallest steps with a jump in a row after which the structure falls
-    # Inertia over the weight above which a point is passed in motion.
-    inertia: float = tolerances.STATIC_INERTIA
     fall: float = math.inf  # m, motion with the supports held after which a block has fallen
     # s, first time step with the supports held; 0 for engines that cannot follow such a motion
     jump_time_step: float = 0.0
-    jump_steps: int = 5000  # steps with the supports held after which the motion is given up
     time_step: float = 0.0  # s, for engines of dynamic formulations; 0 for others
     grow_iterations: int = 12  # iterations of a step up to which steps grow
     stops: Stops = field(default_factory=lambda: stops_of({}))  # see `drystone.control.stops`
@@ -67,7 +67,7 @@ class SupportControl(Strategy[_State]):
         """Demand the first step, after the structure is at rest on supports that have not moved."""
         s = self.settings
         state = _State(
-            step=s.first_share * s.step,
+            step=tolerances.FIRST_SHARE * s.step,
             reaction=report.reaction,
             greatest=abs(report.reaction),
         )
@@ -88,7 +88,7 @@ class SupportControl(Strategy[_State]):
         s, step, floor = self.settings, demand.settlement or 0.0, self._floor()
         usual = max(state.motion_ratio, s.scale)
         jumps = report.converged and report.motion > tolerances.JUMP_RATIO * usual * step
-        may_jump = step <= floor and state.jumps < s.most_jumps
+        may_jump = step <= floor and state.jumps < MOST_JUMPS
         if not report.converged or report.unstable or (jumps and not may_jump):
             return self._again(state, report, step)
         if report.late > tolerances.LATE and step > floor:
@@ -118,7 +118,7 @@ class SupportControl(Strategy[_State]):
             jumps=state.jumps + 1 if jumps else 0,
             motion_ratio=report.motion / advanced if advanced else state.motion_ratio,
         )
-        dynamic = report.dynamic or report.inertia_ratio > s.inertia
+        dynamic = report.dynamic or report.inertia_ratio > tolerances.STATIC_INERTIA
         return self._decided(
             state,
             self._over(state, static=not dynamic),
@@ -156,7 +156,7 @@ class SupportControl(Strategy[_State]):
     def _again(self, state: _State, report: StepReport, step: float) -> Decision[_State]:
         s = self.settings
         if step <= self._floor():
-            if s.jump_time_step == 0.0 or state.jumps == s.most_jumps:
+            if s.jump_time_step == 0.0 or state.jumps == MOST_JUMPS:
                 return self._falls(state, report)
             state = changed(state, held_step=s.jump_time_step, n_held=0, travelled=0.0)
             return self._decided(state, accept=False)
@@ -169,7 +169,7 @@ class SupportControl(Strategy[_State]):
 
     def _floor(self) -> float:
         """The smallest step [m]."""
-        return self.settings.floor_share * self.settings.step
+        return tolerances.SUPPORT_FLOOR * self.settings.step
 
     def _held(self, state: _State, demand: Demand, report: StepReport) -> Decision[_State]:
         """Decide after a time step with the supports held."""
@@ -189,11 +189,12 @@ class SupportControl(Strategy[_State]):
             slope=None,
         )
         end, inertia = None, max(report.inertia_ratio, report.acceleration)
-        dynamic = not (inertia < s.inertia and h > tolerances.LONG_ENOUGH * s.jump_time_step)
+        long = h > tolerances.LONG_ENOUGH * s.jump_time_step
+        dynamic = not (long and inertia < tolerances.STATIC_INERTIA)
         if state.travelled > s.fall:
             end = self._fall(report)
-        elif state.n_held >= s.jump_steps:
-            end = End(reason=say("end.no_rest", n=s.jump_steps))
+        elif state.n_held >= HELD_STEPS:
+            end = End(reason=say("end.no_rest", n=HELD_STEPS))
         elif dynamic:
             longest = tolerances.LONGEST_HELD * s.jump_time_step
             state = changed(state, held_step=min(tolerances.JUMP_GROWTH * h, longest))
