@@ -181,6 +181,24 @@ def test_commands_within_sentences_and_tables_have_options_that_there_are():
             assert (ROOT / script).is_file(), f"{name_of(page)}: {script}"
 
 
+def test_the_page_of_keys_tells_whole_numbers_from_others_and_their_bounds():
+    pytest.importorskip("sphinx", reason="the page of keys is written for it")
+    page = extension("declared").keys_page()
+    for row in (
+        "| `height` | number | 0 to 10000 | required |",  # of [site.floor]
+        "| `storeys` | whole number | 1 to 200 |  |",
+        "| `amplitude` | number | above 0, at most 10 | required |",
+        "| `damping` | number | at least 0, less than 100 |  |",
+    ):
+        assert row in page
+
+
+def test_the_page_of_keys_has_those_of_tables_that_differ_between_kinds():
+    pytest.importorskip("sphinx", reason="the page of keys is written for it")
+    _, of_plan = extension("declared").keys_page().split('`[[build.openings]]` of kind = `"plan"`')
+    assert "| `storey` | whole number |" in of_plan.split("\n## ")[0]
+
+
 def test_the_gallery_has_a_sentence_for_every_example():
     pytest.importorskip("sphinx", reason="the gallery is written for it")
     gallery = extension("gallery")

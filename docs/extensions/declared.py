@@ -74,6 +74,23 @@ def said(range_: Range) -> str:
     return f"{text}{unit}".replace("m3", "m³").replace("m2", "m²")
 
 
+def within(metadata: Iterable[Any]) -> str:
+    """The bounds that stand beside a type, as a person writes them."""
+    entries = [own for m in metadata for own in (m.metadata if isinstance(m, FieldInfo) else [m])]
+    words = {"gt": "above", "ge": "at least", "lt": "less than", "le": "at most"}
+    bounds = {
+        name: value
+        for entry in entries
+        for name in words
+        if (value := getattr(entry, name, None)) is not None
+    }
+    if bounds.get("le", 0.0) >= 1e5:
+        del bounds["le"]  # what nobody reaches
+    if bounds.keys() == {"ge", "le"}:
+        return f"{bounds['ge']:g} to {bounds['le']:g}"
+    return ", ".join(f"{words[name]} {value:g}" for name, value in bounds.items())
+
+
 def type_of(annotation: Any, metadata: Iterable[Any] = ()) -> tuple[str, str]:
     """What a key takes, and which values."""
     annotation, metadata = parts_of(annotation, metadata)
@@ -94,13 +111,8 @@ def type_of(annotation: Any, metadata: Iterable[Any] = ()) -> tuple[str, str]:
         return ("tables by name" if kind == "table" else f"by name: {kind}"), values
     if inspect.isclass(annotation) and issubclass(annotation, Section):
         return "table", ""
-    bounds = {
-        k: v for m in metadata for k in ("ge", "le") if (v := getattr(m, k, None)) is not None
-    }
-    if bounds:
-        return "whole number", f"{bounds.get('ge', '')} to {bounds['le']}" if "le" in bounds else (
-            f"at least {bounds['ge']}"
-        )
+    if annotation in (float, int):
+        return WORDS[annotation], within(metadata)
     return WORDS.get(annotation, "value"), ""
 
 
@@ -143,6 +155,14 @@ def table(section: type[Section], without: Iterable[str] = ()) -> list[str]:
     return [*rows, ""] if len(rows) > 2 else ["No keys of its own.", ""]
 
 
+def named(section: type[Section]) -> Iterator[tuple[str, type[Section]]]:
+    """Sections whose keys a section has: one for each name of its chooser, if it has one."""
+    if issubclass(section, Chosen) and not section.extended:
+        yield from section.variants().items()
+    else:
+        yield from (("", one) for one in sections_in(section))
+
+
 def keys_page() -> str:
     """Markdown with a table for every section of a model file."""
     lines: list[str] = []
@@ -159,14 +179,19 @@ def keys_page() -> str:
                     lines.extend(table(one, without=common))
         else:
             lines.extend(table(own[0]))
-        seen: set[str] = set()
-        for one in own:
+        seen: set[tuple[str, ...]] = set()
+        for name, one in named(section):
             for key, field in one.keys().items():
                 for found in inner(field.annotation):
-                    if found is not section and f"{key}{found.__name__}" not in seen:
-                        seen.add(f"{key}{found.__name__}")
-                        below = f"{path}.{key}" if path else key
-                        write(found, heading(field.annotation, below), below)
+                    same = (key, *found.keys())
+                    if found is section or same in seen:
+                        continue
+                    below = f"{path}.{key}" if path else key
+                    title = heading(field.annotation, below)
+                    if any(other[0] == key for other in seen):  # of another kind
+                        title += f' of {section.chooser} = `"{name}"`'
+                    seen.add(same)
+                    write(found, title, below)
 
     write(ModelSection, "Top level", "")
     return "\n".join(lines)
