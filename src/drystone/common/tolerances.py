@@ -207,22 +207,24 @@ NOBODYS_EDGE = (0.5, 0.6180339887, 0.7320508076)
 # and steps by 0.5 %; in space, peaks of solids by 2e-5, those of two arches by 1.3e-4 and by 7e-3
 # (`arch` 6).  With the step that plane and space share, the peak of `arch` 6 moves by 1.7e-5.
 
-#: Least tributary length or area of a contact, over that of the shorter edge or smaller face.
-#: Range, doubled: plane: no effect; space: a peak by 2.6e-3 and the end by 11 %, of a solid that
-#: falls in motion (`solids` 2), all others the same.
+#: Tributary area of a contact of two edges, over that of the smaller face; and least overlap of two
+#: faces, over the same, that counts as more than a line.  In space only.
+#: Range, doubled: a peak by 2.6e-3 and the end by 11 %, of a solid that falls in motion (`solids`
+#: 2), all others the same.
 LEAST_FACE = 0.01
 
-#: The same if edges or faces overlap by a point or a line only, as do those of blocks that meet
-#: corner on corner; over the length, in the plane.  Such blocks have no joint there.  A block that
-#: slides on to the next block of its course is held back by about this share of its weight.
+#: Least tributary length of a contact over that of the shorter edge, in the plane: of edges that
+#: overlap by a point only, as do those of blocks that meet corner on corner.  Such blocks have no
+#: joint there.  A block that slides on to the next block of its course is held back by about this
+#: share of its weight.
 #: Range, 1e-2 and 1e-4: the peak of a block that slides over a joint right below its front is
 #: 1.009 and 1.0001 times friction (1.0007), peaks of two walls are 1.04 and 1 times as high.  With
 #: 1e-4 a tenon jams in its fall, and a block that topples finds no rest.
 LEAST_LENGTH = 1e-3
 
-#: The same over the area, in space.  Range, 1e-3 and 1e-5: the peak of such a block by 2e-3; with
-#: 1e-3 it is 3.5 % too high at 1e12 Pa/m, because faces are equally good within 1e-6 of the size of
-#: blocks (`TIED`).
+#: Least tributary area of the contacts of two faces over that of the smaller face, in space.
+#: Range, 1e-3 and 1e-5: the peak of such a block by 2e-3; with 1e-3 it is 3.5 % too high at 1e12
+#: Pa/m, because faces are equally good within 1e-6 of the size of blocks (`TIED`).
 LEAST_AREA = 1e-4
 
 #: Margin of the broad phase, over the smallest extent of a block.  It affects the speed, and the

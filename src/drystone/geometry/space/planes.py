@@ -77,7 +77,8 @@ def onto_planes(vertices: Array, incidences: Incidences, fixed: BoolArray) -> Ar
     Parameters
     ----------
     fixed
-        Which vertices give way last, (n,): a thousand times less than the others.
+        Which vertices give way last, (n,): a million times less than the others, as the weight of
+        their motions, `FIXED_VERTEX`, enters twice.
 
     What cannot be had, as five planes through one vertex where others hold them, is met as well as
     may be: `fitted_planes` tells by how much it is missed.
