@@ -191,7 +191,8 @@ def keys_page() -> str:
                     if any(other[0] == key for other in seen):  # of another kind
                         title += f' of {section.chooser} = `"{name}"`'
                     seen.add(same)
-                    write(found, title, below)
+                    by_name = title.startswith(f"`[{below}.NAME]")
+                    write(found, title, f"{below}.NAME" if by_name else below)
 
     write(ModelSection, "Top level", "")
     return "\n".join(lines)
