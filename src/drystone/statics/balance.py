@@ -52,9 +52,9 @@ def unbalance(forces, multiplier, x, inertia_factor):
 
 
 @njit(cache=True, error_model="numpy")
-def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
+def stiffen(diagonal, mass, inertia_factor, damping, body, gradient):
     """Add inertia and damping to the ``diagonal`` blocks (n, n_dof, n_dof), and a spring along
-    ``axis`` (n, n_dof) to the block of ``body``.
+    the ``gradient`` (n, n_dof) of a displacement of ``body`` to its block.
 
     The spring makes the matrix regular at the peak.  It is as stiff as the joints of the body that
     it restrains.  This stiffness is read before inertia is added, because a roller is a mass that
@@ -73,11 +73,11 @@ def stiffen(diagonal, mass, inertia_factor, damping, body, axis):
         return 0.0
     square = 0.0
     for i in range(n_dof):
-        square += axis[body, i] ** 2
+        square += gradient[body, i] ** 2
     spring = largest / square
     for i in range(n_dof):
         for j in range(n_dof):
-            diagonal[body, i, j] += spring * axis[body, i] * axis[body, j]
+            diagonal[body, i, j] += spring * gradient[body, i] * gradient[body, j]
     return spring
 
 
@@ -93,32 +93,21 @@ def dot(first, second):
 
 @njit(cache=True, error_model="numpy")
 def solve_bordered(bordered, x, lag):
-    """Solve K dx - F dl = rhs, g . dx = lag, from ``x`` = K'^-1 rhs (n, n_dof); returns dl.
+    """Solve K dx - F dl = rhs, g . dx = lag, in place from ``x`` = K'^-1 (rhs + k lag g), (n,
+    n_dof); returns dl, NaN if the system is singular.
 
-    ``x`` is overwritten with dx.  K' = K + k e e^T has a spring k along e.  With s = e . dx the
-    solution is dx = K'^-1 rhs + dl K'^-1 F + s k K'^-1 e.  dl is NaN if the system is singular.
+    K' = K + k g g^T has a spring k along g.  With g . dx = lag, its force k lag g is known.
     """
-    # Flat arrays make loops long.  One loop forms all products, because each sum alone would wait
-    # for its last term.
-    flat = x.reshape(-1)
-    by_load, by_spring = bordered.columns[1].reshape(-1), bordered.columns[2].reshape(-1)
-    gradient, axis = bordered.gradient.reshape(-1), bordered.axis.reshape(-1)
-    g1 = g2 = g3 = e1 = e2 = e3 = 0.0
+    flat, by_load = x.reshape(-1), bordered.columns[1].reshape(-1)
+    gradient = bordered.gradient.reshape(-1)
+    moved = compliance = 0.0
     for i in range(flat.shape[0]):
-        g, e = gradient[i], axis[i]
-        g1 += g * flat[i]
-        g2 += g * by_load[i]
-        g3 += g * by_spring[i]
-        e1 += e * flat[i]
-        e2 += e * by_load[i]
-        e3 += e * by_spring[i]
-    determinant = g2 * (e3 - 1.0) - g3 * e2
-    bordered.determinant_ratio[0] = determinant
-    if determinant == 0.0:
+        moved += gradient[i] * flat[i]
+        compliance += gradient[i] * by_load[i]
+    bordered.compliance[0] = compliance
+    if compliance == 0.0:
         return np.nan
-    missing = lag - g1
-    change = (missing * (e3 - 1.0) + g3 * e1) / determinant
-    along = (-g2 * e1 - e2 * missing) / determinant
+    change = (lag - moved) / compliance
     for i in range(flat.shape[0]):
-        flat[i] += change * by_load[i] + along * by_spring[i]
+        flat[i] += change * by_load[i]
     return change

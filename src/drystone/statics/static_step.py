@@ -78,12 +78,11 @@ class Bordered(NamedTuple):
 
     load: Array  # F
     gradient: Array  # g, gradient of the prescribed displacement
-    axis: Array  # direction of the spring e over all bodies
-    columns: Array  # (3, n, n_dof) direction, K'^-1 F, k K'^-1 e
-    # (1,) determinant of the bordered matrix over that of K'
-    determinant_ratio: Array
-    # (1,) sign of the determinant of K'; where its product with the ratio is positive, the number
-    # of unstable modes is odd
+    columns: Array  # (2, n, n_dof) direction, K'^-1 F
+    # (1,) g . K'^-1 F, the determinant of the bordered matrix over that of K'
+    compliance: Array
+    # (1,) sign of the determinant of K'; where its product with the compliance is negative, the
+    # number of unstable modes is odd
     sign: Array
 
 
@@ -164,9 +163,8 @@ class StaticStep(ABC):
         self.bordered = Bordered(
             load=loads.pattern.copy() if self.acting else loads.pattern,
             gradient=np.zeros((n, n_dof)),
-            axis=np.zeros((n, n_dof)),
-            columns=np.zeros((3, n, n_dof)),
-            determinant_ratio=np.ones(1),
+            columns=np.zeros((2, n, n_dof)),
+            compliance=np.ones(1),
             sign=np.ones(1),
         )
         self.forces = balance.BodyForces(
@@ -179,6 +177,7 @@ class StaticStep(ABC):
             left=self.force,
         )
         self.n_due = 1  # number of columns that the next solution of the bordered system fills
+        self.spring = 0.0  # N/m, at the control point, see `balance.stiffen`
         self.prescribed: PointDisplacement | None = None
         self.all_slots, self.all_pairs = np.arange(n_slots), np.arange(n_pairs + 1)
         self.current, self.origin = np.zeros((0, N_CURRENT)), self.all_slots.copy()
@@ -210,7 +209,6 @@ class StaticStep(ABC):
         self.begun = pose, slots, history, branch, h, prescribed, guess, current, fresh
         self.pose, self.inertia_factor, self.prescribed = pose, 1.0 / h**2, prescribed
         self.found_at: Array | None = None  # poses in which `found` was found
-        self.bordered.axis[:] = 0.0
         self.origin[:], self.history = self.all_slots, None
         self.current = self.current[:0] if current is None else current.copy()
         self.fresh = self.current if fresh is None else fresh
@@ -353,17 +351,16 @@ class StaticStep(ABC):
             turning = self.acting.stiffness(self._pose_now(), self.multiplier)
             self.tangent.diagonal[:, self.dim :, self.dim :] += turning
         bordered, mass = self.bordered, self.loads.mass
-        spring = balance.stiffen(
+        self.spring = balance.stiffen(
             self.tangent.diagonal, mass, self.inertia_factor, self.damping, self._border(),
-            bordered.axis,
+            bordered.gradient,
         )  # fmt: skip
         pivot = self.lu.factorise(self.tangent, mass, self.damping, least_damping)
         self.n_due, bordered.sign[0] = 1, np.sign(pivot)
         if pivot == 0.0 or self.prescribed is None:
             return pivot != 0.0
         bordered.columns[1] = bordered.load
-        np.multiply(spring, bordered.axis, out=bordered.columns[2])
-        self.n_due = 3
+        self.n_due = 2
         return True
 
     def _border(self) -> int:
@@ -372,14 +369,11 @@ class StaticStep(ABC):
         Returns the body of the prescribed displacement, -1 if there is none.
         """
         bordered = self.bordered
-        bordered.determinant_ratio[0] = -1.0
+        bordered.compliance[0] = 1.0
         if self.prescribed is None:
             return -1
-        body = self.prescribed.body
         bordered.gradient[:] = self.prescribed.gradient(self.x)
-        bordered.axis[:] = 0.0
-        bordered.axis[body] = bordered.gradient[body]
-        return body
+        return self.prescribed.body
 
     def solve(self, missing: float) -> float:
         """Solve for a direction, in place, from the forces in the first column.
@@ -388,6 +382,9 @@ class StaticStep(ABC):
         the multiplier.
         """
         columns = self.bordered.columns
+        if self.prescribed:
+            body = self.prescribed.body
+            columns[0, body] += self.spring * missing * self.bordered.gradient[body]
         # The first solution after a factorisation also fills the columns of the border, so that
         # the factors are read once.
         lu_numeric.solve(self.structure, self.factors, columns[: self.n_due])
@@ -421,7 +418,7 @@ class StaticStep(ABC):
     @property
     def stable(self) -> bool:
         """Whether the number of unstable modes is even, once a direction has been solved for."""
-        return bool(self.bordered.sign[0] * self.bordered.determinant_ratio[0] < 0.0)
+        return bool(self.bordered.sign[0] * self.bordered.compliance[0] > 0.0)
 
     # Parts that differ between plane and space.
 

@@ -227,13 +227,13 @@ def _add_change(
 def _first_direction(structure, factors, bordered, prescribes, force, lag, spring):
     """Fill the first direction; returns the change of the multiplier along it, NaN if there is no
     direction."""
-    columns = bordered.columns[:3] if prescribes else bordered.columns[:1]
+    columns = bordered.columns[:2] if prescribes else bordered.columns[:1]
     for i in range(force.shape[0]):
         for d in range(force.shape[1]):
             columns[0, i, d] = force[i, d]
             if prescribes:
+                columns[0, i, d] += spring * lag * bordered.gradient[i, d]
                 columns[1, i, d] = bordered.load[i, d]
-                columns[2, i, d] = spring * bordered.axis[i, d]
     solve(structure, factors, columns)
     return solve_bordered(bordered, columns[0], lag) if prescribes else 0.0
 
@@ -319,7 +319,7 @@ def _factorable(located, pieces, bordered, count, x, progress, rules):
     unbalance(forces, progress[MULTIPLIER], x, rules.inertia_factor)
     progress[SPRING] = stiffen(
         pieces.tangent.diagonal, forces.mass, rules.inertia_factor, pieces.damping, rules.body,
-        bordered.axis,
+        bordered.gradient,
     )  # fmt: skip
 
 
