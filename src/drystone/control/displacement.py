@@ -90,7 +90,7 @@ class DisplacementState:
     shortened: bool = False  # whether this step of a jump has failed with a longer time step
     too_long: float = math.inf  # s, time step of a jump that failed last
     n_since: int = LONG_AGO  # steps since one failed
-    # s, duration of the jump when it seemed to be over; 0 once a static step has followed
+    # s, duration of the jump when it last seemed to be over; 0 if none did since a static step
     rested_at: float = 0.0
     load_increment: float = 0.0  # of a step with a given multiplier; 0 under displacement control
     loaded_from: float = 0.0  # m, control displacement of the fold from which the load grows

@@ -32,9 +32,9 @@ from drystone.limit.equilibrium import Equilibrium
 from drystone.limit.inside import WHOLE, from_inside
 from drystone.limit.program import FAILED, OPTIMAL, UNBOUNDED, Answer, Given
 
-#: From this many contact points on the interior-point method is asked first, by the dimension.  On
-#: dry walls it is as fast as the simplex method at 340, twice as fast at 550, five times at 1,100;
-#: cones in space are round, and the simplex method has none of these.
+#: Number of contact points from which the interior-point method is tried first, by dimension.  On
+#: dry walls it is as fast as the simplex method at 340 points, twice as fast at 550, five times at
+#: 1,100.  In space it is always first, because the simplex method cannot treat round cones.
 INTERIOR_FROM = {2: 600, 3: 0}
 #: A motion that goes less than this share along the load does not go along it.
 SLIGHT = 1e-6

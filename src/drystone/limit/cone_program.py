@@ -41,7 +41,7 @@ OPTIONS: tuple[dict[str, Any], ...] = (
     {},
     {"equilibrate_enable": False, "max_step_fraction": 0.95},
 )
-#: Of every set.
+#: Options that all sets have.
 COMMON: dict[str, Any] = {
     "verbose": False,
     "max_threads": 1,
@@ -53,8 +53,8 @@ TOLERANCE = 1e-11
 #: Angle by which friction may deviate from the direction of slip.  It is then greater than its
 #: limit by half of the square.
 ASIDE = 1e-4
-#: The same, as they are found here, whatever word the solver has for it: what is a solution at
-#: once, and what is one if no other options give a better one.
+#: The same errors as calculated here: at once accepted; accepted if no other options give a better
+#: answer.  The status that the solver tells does not count.
 GOOD, ACCEPTABLE = 1e-8, 1e-7
 
 

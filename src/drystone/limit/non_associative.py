@@ -54,7 +54,7 @@ STILL = {2: 1e-7, 3: 1e-5}
 #: further one is begun.  Random structures of up to 40 blocks took 35 to 180, facades of 125 from
 #: 120 to more than 700.
 MOST_OF_ONE, MOST_OF_ALL, ENOUGH = 450, 900, 250
-#: Curves that may fail beside those that are asked for.
+#: Number of curves that may fail, in addition to the number of those that are asked for.
 MORE = 2
 #: Passes of the scheme of programs in space, each of which is as much as the associative program.
 FEW_PASSES = 12

@@ -20,7 +20,7 @@ from drystone.limit.equilibrium import Equilibrium
 #: The finest tolerances that HiGHS takes.
 TOLERANCE = 1e-10
 
-#: Of HiGHS, by its names.
+#: Options of HiGHS.
 OPTIONS: dict[str, Any] = {
     "output_flag": False,
     "threads": 1,

@@ -53,7 +53,7 @@ class RecorderError(Exception):
     """Points of a curve cannot be kept as they come; the message is for the user."""
 
 
-#: What of points, events and blocks that left is counted along the load.
+#: Fields of points, events and blocks that left: their sign is that along the load.
 COUNTED_ALONG = (
     "control_displacement",
     "load_multiplier",

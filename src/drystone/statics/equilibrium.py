@@ -389,7 +389,7 @@ class EquilibriumEngine(Engine[EquilibriumState]):
                 own.kept[:] = 0 if state.kept is None else state.kept
             own.begin(state.pose, state.slots, state.history, branch, h, prescribed, near, *joints)
 
-        def once(
+        def solve_once(
             current: Array | None, fresh: Array | None, branch: IntArray, near: Array | None
         ) -> StepSolution:
             nonlocal last
@@ -407,20 +407,20 @@ class EquilibriumEngine(Engine[EquilibriumState]):
             )  # fmt: skip
             return last
 
-        def expect(current: Array, fresh: Array) -> None:
+        def put_at_prediction(current: Array, fresh: Array) -> None:
             ahead = guess if along is None else along
             begin(state.branch, ahead, current, fresh)
             own.restart(ahead, start)
 
         if not state.prepared.strengths.any:
-            return once(None, None, state.branch, None)
+            return solve_once(None, None, state.branch, None)
         rise = state.slope * increment if increment and state.softened else np.nan
         gap = state.slots.gap
         return yielding.solve(
             own,
-            yielding.Beginning(state.history, gap, state.branch, state.multiplier, rise),
-            once,
-            expect,
+            yielding.YieldingStart(state.history, gap, state.branch, state.multiplier, rise),
+            solve_once,
+            put_at_prediction,
             increment,
             may_snap=increment is None or demand.over_fold or demand.time_step > 0.0,
         )

@@ -40,8 +40,9 @@ NEWTON_EVERY, NEWTON_ITERATIONS, WARM_ITERATIONS = 16, 6, 12
 STALLED, RECENTRED = 4, 4
 
 #: Iterations within which Newton's method must have reduced the unbalanced force: between
-#: iterations of the interior-point method, and at the start of a step.  Then: iterations after
-#: which it is tried again if the branches can be told.
+#: iterations of the interior-point method, and at the start of a step.  The last number: iterations
+#: of the interior-point method after which Newton's method is tried again, once the branches can be
+#: told.
 NEWTON_PATIENCE, WARM_PATIENCE, AGAIN = 2, 4, 4
 
 

@@ -43,8 +43,8 @@ MOST_SOLUTIONS, FEW_SOLUTIONS = 30, 3
 MOST_ITERATIONS, MOST_HALVINGS = 20, 4
 
 
-class Beginning(NamedTuple):
-    """Where a step starts."""
+class YieldingStart(NamedTuple):
+    """Where a step starts whose joints may yield."""
 
     history: Array  # (n_slots, N_HISTORY + dim - 2)
     gap: Array  # (n_slots,) m
@@ -57,15 +57,15 @@ _UNSOLVED = StepSolution(
     increment=np.zeros((0, 0)), multiplier=np.nan, n_iterations=1, excess=None, bend=None
 )
 
-Once = Callable[[Array, Array, IntArray, Array | None], StepSolution]
+SolveOnce = Callable[[Array, Array, IntArray, Array | None], StepSolution]
 
 
 # Long: Newton's method and falling strengths alternate, each from what the other has found.
 def solve(
     step: StaticStep,
-    start: Beginning,
-    once: Once,
-    begin: Callable[[Array, Array], None],
+    start: YieldingStart,
+    solve_once: SolveOnce,
+    put_at_prediction: Callable[[Array, Array], None],
     increment: float | None,
     *,
     may_snap: bool,
@@ -74,11 +74,11 @@ def solve(
 
     Parameters
     ----------
-    once
+    solve_once
         Begins and solves the step.  Its arguments: the parameters of contacts and those of contacts
         made in the step, (n_slots, N_CURRENT) each; the branches (n_slots,) at the start; and the
         increments (n, n_dof) near which the step will end, None if not known.
-    begin
+    put_at_prediction
         Puts the step where it is expected to end, with the same parameters of contacts.
     increment
         Prescribed displacement [m]; None if there is none.
@@ -94,51 +94,51 @@ def solve(
     first: StepSolution | None = None
     near: Array | None = None
     slope: float | None = None
-    fallen, most = 0, MOST_SOLUTIONS if may_snap or not strengths.smooth else FEW_SOLUTIONS
-    begun = _Come(np.arange(len(law)), history, history, now, np.inf)
+    n_lowered, most = 0, MOST_SOLUTIONS if may_snap or not strengths.smooth else FEW_SOLUTIONS
+    at_start = _EndOfStep(np.arange(len(law)), history, history, now, np.inf)
     solved = _UNSOLVED  # a curve that has a tangent is continued along it
     for k in range(most + 1):
         going: StepSolution | None = None
-        come = begun
+        end = at_start
         if k or not np.isfinite(start.rise):
-            solved = once(current, fresh, _fitting(start.branch, current), near)
+            solved = solve_once(current, fresh, _fitting(start.branch, current), near)
             iterations = max(iterations, solved.n_iterations)
             solved = replace(solved, n_iterations=iterations)
             if not solved.reason:
                 going, first = solved, first or solved
-                come = _Come.to(step, history)
-                if come.change <= tolerance:
-                    strengths.write(law, come.reached, come.after)
+                end = _EndOfStep.of(step, history)
+                if end.change <= tolerance:
+                    strengths.write(law, end.reached, end.after)
                     if first is solved:  # nothing has yielded
                         return solved
-                    return _shaped(solved, first, start, increment, slope, fallen > 0, may_snap)
+                    return _shaped(solved, first, start, increment, slope, n_lowered > 0, may_snap)
                 near = solved.increment
             elif k > 1 or np.isfinite(start.rise):
                 return solved
         found = None
         if strengths.smooth:
             if not going:
-                begin(current, fresh)
-            found = _converge(step, come, tolerances.LEFT * tolerance)
+                put_at_prediction(current, fresh)
+            found = _converge(step, end, tolerances.LEFT * tolerance)
         if found:
             slope, near = found.slope, step.x.copy()
-            current = strengths.current(law, come.before, found.reached)
+            current = strengths.current(law, end.before, found.reached)
             stood = _stood(step, history, found, current, solved, tolerance)
             if stood:
-                return _shaped(stood, first, start, increment, slope, fallen > 0, may_snap)
-            now = _at(found.reached, now, come.origin)
+                return _shaped(stood, first, start, increment, slope, n_lowered > 0, may_snap)
+            now = _at(found.reached, now, end.origin)
         elif going:
-            now, fallen = _at(come.reached, now, come.origin), fallen + 1
+            now, n_lowered = _at(end.reached, now, end.origin), n_lowered + 1
         elif solved.reason:
             return solved
-        after = strengths.current(law, come.before, found.reached if found else come.reached)
+        after = strengths.current(law, end.before, found.reached if found else end.reached)
         current = strengths.current(law, history, now)
-        fresh = np.where((come.origin < 0)[:, None], after, fresh)
+        fresh = np.where((end.origin < 0)[:, None], after, fresh)
     return replace(solved, reason=say("end.strengths"))
 
 
-class _Come(NamedTuple):
-    """The state of softening of the contacts where the equations of a step were last evaluated."""
+class _EndOfStep(NamedTuple):
+    """Softening of the contacts where a step was last evaluated."""
 
     origin: IntArray  # (n_slots,) slot of each contact when the step started; -1 if it had none
     before: Array  # (n_slots, N_HISTORY + dim - 2) history where the step starts
@@ -147,7 +147,7 @@ class _Come(NamedTuple):
     change: float  # N, difference of the strengths reached from those that the step was solved with
 
     @classmethod
-    def to(cls, step: StaticStep, history: Array) -> _Come:
+    def of(cls, step: StaticStep, history: Array) -> _EndOfStep:
         """The state of a step that starts with a ``history`` (n_slots, N_HISTORY + dim - 2)."""
         law, (after, gap, normal, area) = step.pairs.law_of_slot, step.ended()
         strengths = step.loaded.prepared.strengths
@@ -184,7 +184,7 @@ def _stood(
     moved = step.detector.farthest(step.x)
     if not (step.balanced() and moved <= step.accuracy.farthest) or step.update_contacts():
         return None
-    there = _Come.to(step, history)
+    there = _EndOfStep.of(step, history)
     if there.change > tolerance:
         return None
     law, strengths = step.pairs.law_of_slot, step.loaded.prepared.strengths
@@ -203,13 +203,13 @@ def _stood(
     )
 
 
-def _converge(step: StaticStep, come: _Come, enough: float) -> _Converged | None:
+def _converge(step: StaticStep, end: _EndOfStep, enough: float) -> _Converged | None:
     """Newton's method with strengths that depend on the motion, from where the step is.
 
-    Returns None if it leads to no stable equilibrium.  ``come`` is the state of softening where it
+    Returns None if it leads to no stable equilibrium.  ``end`` is the state of softening where it
     starts; ``enough`` [N] is the unbalanced force that may be left.
     """
-    slot, point = step.soften(come.before)
+    slot, point = step.soften(end.before)
     for _ in range(MOST_ITERATIONS):
         residual = step.residual
         if residual <= enough and abs(step.missing) <= tolerances.MISSING:
@@ -221,14 +221,14 @@ def _converge(step: StaticStep, come: _Come, enough: float) -> _Converged | None
             return None
         step.multiplier += by_multiplier
         step.move(direction, 1.0)
-        slot, point = step.soften(come.before)
+        slot, point = step.soften(end.before)
         for _ in range(MOST_HALVINGS):
             if step.residual < max(residual, enough):
                 break
             length *= 0.5
             step.multiplier -= length * by_multiplier
             step.move(direction, -length)
-            slot, point = step.soften(come.before)
+            slot, point = step.soften(end.before)
         else:
             if not step.residual < max(residual, enough):
                 return None
@@ -237,7 +237,7 @@ def _converge(step: StaticStep, come: _Come, enough: float) -> _Converged | None
     slope, tangent = step.slope(), step.bordered.columns[0].copy()
     if slope is None or not (step.stable and np.isfinite(slope)) or grows(step):
         return None
-    reached = Reached(*(a.copy() for a in come.reached))
+    reached = Reached(*(a.copy() for a in end.reached))
     for own, column in (
         (reached.softened, softening.P_SOFTENED),
         (reached.opened, softening.P_OPENED),
@@ -264,16 +264,16 @@ def _at(then: Reached, now: Reached, origin: IntArray) -> Reached:
 def _shaped(
     solved: StepSolution,
     first: StepSolution | None,
-    start: Beginning,
+    start: YieldingStart,
     increment: float | None,
     slope: float | None,
-    fallen: bool,
+    lowered: bool,
     may_snap: bool,
 ) -> StepSolution:
     """The solution of a step with its excess, bend and slope; see `StepSolution`.
 
     If the curve has tangents at both ends, excess and bend are those of the cubic between them.  If
-    joints have ``fallen`` in strength without ``may_snap``, the curve may have followed the first
+    strengths were ``lowered`` without ``may_snap``, the curve may have followed the first
     tangent to just before the end.
     """
     if increment is None:
@@ -283,9 +283,9 @@ def _shaped(
     known = sense * first.multiplier if first else after
     rise = sense * start.rise if np.isfinite(start.rise) else known - before
     change, top = after - before, max(before, after)
-    if fallen and may_snap:
+    if lowered and may_snap:
         return replace(solved, excess=None, bend=None)
-    if fallen:
+    if lowered:
         off = abs(rise - change)
         return replace(solved, excess=(before + max(rise, 0.0) - top, 0.5), bend=(off, 0.5))
     at_end = change if slope is None else slope * abs(increment)

@@ -98,12 +98,19 @@ class Rules(NamedTuple):
     waits: bool
 
 
-#: The variables of a path, all in one array: the multiplier; the share 1 - t of the step that is
-#: left; the number of changes so far; whether the path is that of the implicit law (see below); the
-#: least share left so far, and the number of changes since; the stiffness of the spring [N/m]; the
-#: pivot of the matrix, NaN before it is factorised; the share left, and the multiplier, at the fold
-#: whose share the path has not passed again, NaN if there is none; the share left where the path
-#: last passed the share of a fold again.
+#: The variables of a path, all in one array:
+#:
+#: MULTIPLIER  the load multiplier
+#: LEFT        the share of the step that is left, 1 - t
+#: CHANGES     the number of changes so far
+#: WHOLE       whether the path is that of the implicit law, see below
+#: LEAST       the least share left so far
+#: SINCE       the number of changes since then
+#: SPRING      the stiffness of the spring at the control point [N/m]
+#: PIVOT       the pivot of the matrix; NaN before it is factorised
+#: TURNED      the share left at the last fold whose share was not passed again; NaN if none
+#: TOP         the multiplier there
+#: PASSED      the share left where the path last passed the share of a fold again
 #:
 #: In the implicit law, sliding counts over the whole step.  Otherwise the path is that of a slow
 #: loading: a slip ends, and is kept, as soon as the contact would slide back.  From a fold on, no
