@@ -44,7 +44,8 @@ from drystone.contact.plane.rows import (
 from drystone.contact.plane.rows import slip as slip_of
 from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
 from drystone.law.columns import DILATION, SHEAR
-from drystone.statics.balance import BodyForces
+from drystone.law.plane import choose, respond
+from drystone.statics.balance import BodyForces, unbalance
 
 
 class Beginning(NamedTuple):
@@ -114,6 +115,23 @@ def locate_all(box, count):
         located.slots, begin.history, begin.there, begin.lines, located.contacts, count, located.x,
         located.answer.trial,
     )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(box, count, multiplier, inertia_factor):
+    """Locate the contacts, and evaluate reactions and unbalanced forces; returns the largest
+    unbalanced force [N], see `balance.unbalance`.
+
+    One kernel for what `StaticStep` does in three calls, which would take a small wall 8 % longer.
+    """
+    located = box.value[0]
+    contacts, answer, forces = located.contacts, located.answer, located.forces
+    locate_all(box, count)
+    choose(contacts.table, 0, count, answer.branch)
+    respond(contacts.table, 0, count, answer.branch, answer.reaction, answer.response)
+    sum_forces(contacts, count, answer.reaction, forces.contact)
+    add(located.held, forces.contact)
+    return unbalance(forces, multiplier, located.x, inertia_factor)
 
 
 @njit(cache=True, error_model="numpy")
