@@ -321,9 +321,10 @@ def _least(rows: Sequence[Mapping[str, Any]], multiplier: str) -> Mapping[str, A
     from drystone.io.results.summary import rises_after_collapse
 
     def is_known(row: Mapping[str, Any]) -> bool:
-        if multiplier == "capacity_multiplier" and row.get(multiplier) is not None:
-            return bool(row["peak_passed"]) or rises_after_collapse(row)
-        return bool(row.get("peak_passed"))
+        if not row.get("curve"):
+            return False
+        of_whole = multiplier == "capacity_multiplier" and rises_after_collapse(row)
+        return of_whole or bool(row["peak_passed"])
 
     passed = [row for row in rows if is_known(row)]
     if not passed:

@@ -150,12 +150,13 @@ def report(title: str, results: Sequence[Collapse], folder: Path | None) -> str:
 def _value(result: Collapse) -> str:
     if result.status != "finished":
         return result.reason
-    from drystone.limit import range_text
+    from drystone.common.names import number_of
+    from drystone.limit import multiplier_text, range_text
 
-    text = range_text((result.load_multiplier, result.load_multiplier), 5)
+    text = multiplier_text(result.load_multiplier, 5)
     if result.flow == Flow.non_associative.value:
         found = range_text(result.collapse_range, 5)
-        paths = "1 path" if result.n_paths == 1 else f"{result.n_paths} paths"
+        paths = number_of(result.n_paths, "path")
         text += f"   over {paths}" if found == text else f"   lowest of {found} over {paths}"
     return text
 

@@ -387,11 +387,11 @@ def reaction_texts(curve: CapacityCurve) -> dict[str, str]:
 
 def _limits(beside: Beside) -> str:
     """Both collapse multipliers, or why there are none."""
-    from drystone.limit import range_text
+    from drystone.limit import multiplier_text, range_text
 
     found = []
     if beside.associative is not None:
-        lowest, bound = range_text((beside.associative,) * 2, 4), beside.upper_bound
+        lowest, bound = multiplier_text(beside.associative, 4), beside.upper_bound
         wide = bound is not None and f"{bound:.4f}" != lowest
         more = f" (across corners up to {bound:.4f})" if wide else ""
         found.append(f"{lowest} associative{more}")

@@ -1,4 +1,4 @@
-"""Names in sentences: printed, listed, and those that were meant by names that nothing goes by."""
+"""Names in sentences: printed, listed, counted, and those that were meant by unknown names."""
 
 from __future__ import annotations
 
@@ -46,6 +46,11 @@ def in_any_case(name: str, known: Iterable[str]) -> str | None:
     others."""
     same = [one for one in known if one.casefold() == name.casefold()]
     return name if name in same else next(iter(same), None)
+
+
+def number_of(n: int, name: str) -> str:
+    """So many of them: 1 block, 2 blocks."""
+    return f"{n} {name}" if n == 1 else f"{n} {name}s"
 
 
 def listed(names: Sequence[str]) -> str:

@@ -5,7 +5,13 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from drystone.limit.beside import Beside, limits_beside, on_what_moves, range_text
+from drystone.limit.beside import (
+    Beside,
+    limits_beside,
+    multiplier_text,
+    on_what_moves,
+    range_text,
+)
 from drystone.limit.flows import ASSOCIATIVE, FLOWS, NON_ASSOCIATIVE
 
 if TYPE_CHECKING:
@@ -50,6 +56,7 @@ __all__ = [
     "is_locked",
     "least_standing",
     "limits_beside",
+    "multiplier_text",
     "on_what_moves",
     "range_text",
     "stands",

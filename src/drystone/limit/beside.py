@@ -182,7 +182,12 @@ def _by_mechanism(model: Model) -> tuple[bool, ControlPoint | None]:
     return _mechanism(model, collapse_load(model, flow=ASSOCIATIVE))
 
 
+def multiplier_text(multiplier: float, digits: int) -> str:
+    """A multiplier with so many decimals, which is never minus zero."""
+    return f"{round(multiplier, digits) + 0.0:.{digits}f}"
+
+
 def range_text(collapse_range: tuple[float, float], digits: int) -> str:
-    """One number, or two where they differ in print; none is minus zero."""
-    low, high = (f"{round(value, digits) + 0.0:.{digits}f}" for value in collapse_range)
+    """One number, or two where they differ in print."""
+    low, high = (multiplier_text(value, digits) for value in collapse_range)
     return low if low == high else f"{low} to {high}"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.common.arrays import Array
+from drystone.common.names import number_of
 from drystone.geometry.interfaces import Interfaces
 from drystone.geometry.missed import Missed
 from drystone.model.assembly import Assembly
@@ -72,9 +73,8 @@ def draw_model(model: Model, path: Path | str, *, title: str = "", names: bool =
     if len(missed.size):
         words += f"; {len(missed.size)} pairs of faces near each other without one (red)"
     right.set_title(words, fontsize=10)
-    supports = "1 support" if assembly.n_supports == 1 else f"{assembly.n_supports} supports"
-    counted = f"{assembly.n_blocks} blocks, {supports}"
-    left.set_title(counted, fontsize=10)
+    supports = number_of(assembly.n_supports, "support")
+    left.set_title(f"{assembly.n_blocks} blocks, {supports}", fontsize=10)
     if title:
         figure.suptitle(canvas.literal(title), fontsize=12)
     handles, labels = left.get_legend_handles_labels()

@@ -7,7 +7,7 @@ import time
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from drystone.common.names import printable
+from drystone.common.names import number_of, printable
 from drystone.common.progress.forecast import Forecast
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class Lines(Silent):
             left = self._forecast.seconds_left
             tail = "" if left is None else f", about {clock_time(left)} left"
             print(
-                f"{self._title}: {state_of(point)}, {_points(self._n_points)}{tail}",
+                f"{self._title}: {state_of(point)}, {number_of(self._n_points, 'point')}{tail}",
                 file=sys.stderr,
                 flush=True,
             )
@@ -114,13 +114,9 @@ class Bar(Silent):
             total=None if left is None else 1.0,  # a bar without an end until the peak is passed
             completed=self._forecast.share,
             state=f"{point.control_displacement:.4f} m, λ {point.load_multiplier:.3f}",
-            count=_points(self._n_points),
+            count=number_of(self._n_points, "point"),
             left="" if left is None else f"{clock_time(left)} left",
         )
-
-
-def _points(n: int) -> str:
-    return "1 point" if n == 1 else f"{n} points"
 
 
 def state_of(point: CurvePoint) -> str:

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.common.arrays import Array, BoolArray, IntArray
+from drystone.common.names import number_of
 from drystone.common.tolerances import FLAT
 from drystone.geometry.dimension import dimension_of
 from drystone.geometry.interfaces import Interfaces
@@ -133,7 +134,7 @@ def fitted(blocks: Sequence[Block], tolerance: float) -> tuple[list[Block], tupl
     if n_joints == 0 or not moved.any():
         return list(blocks), ()
     vertices = np.where(moved[:, None], vertices, outlines.vertices)
-    joints = "1 joint" if n_joints == 1 else f"{n_joints} joints"
+    joints = number_of(n_joints, "joint")
     note = (
         f"block: {joints} gaped or overlapped by up to {tolerance:g} of the smallest edge as "
         f"drawn; to close them {np.count_nonzero(moved)} vertices were moved, by up to "

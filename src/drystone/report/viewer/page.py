@@ -14,6 +14,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
+from drystone.common.names import number_of
 from drystone.io.results.folder import whole_file
 from drystone.io.results.summary import plain
 from drystone.report.viewer.contents import Contents
@@ -78,16 +79,11 @@ def facts(header: dict[str, object]) -> str:
     assert isinstance(blocks, dict)
     supports = sum(bool(fixed) for fixed in blocks["support"])
     count = len(blocks["name"]) - supports
-    words = [f"{counted(count, 'block')}, {counted(supports, 'support')}"]
+    words = [f"{number_of(count, 'block')}, {number_of(supports, 'support')}"]
     if header["curve"]:
         words.append(f"engine {header['engine']}")
     words.append(str(header["status"]))
     return " · ".join(words)
-
-
-def counted(number: int, name: str) -> str:
-    """So many of them: 1 block, 2 blocks."""
-    return f"{number} {name}" if number == 1 else f"{number} {name}s"
 
 
 def about(header: dict[str, object]) -> str:
