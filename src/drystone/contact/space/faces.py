@@ -85,38 +85,17 @@ def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
 
 
 @njit(cache=True)
-def _missing(scene, scratch, faces, p_is_a, corners, m):
-    """Number of vertices of the incident face that were contact points on the reference face
-    before, and are not among the ``corners`` (see `_mark_kept`)."""
-    (half, count), (face_p, face_q) = corners, faces
-    on_face = scene.local.shape[0] + scene.edge.shape[0] + face_p
-    name, known, own, missing, k = scratch.name[half], scratch.known, 0 if p_is_a else 1, 0, 0
-    while known[k, 0] >= 0:
-        for j in range(m if known[k, own] == on_face else 0):
-            if _vertex(scene.ring, scene.corner, face_q, j, True) != known[k, 1 - own]:
-                continue
-            found = False
-            for i in range(count):
-                found = found or (name[i, TYPE] == VERTEX_Q and name[i, OF_Q] == j)
-            missing += not found
-        k += 1
-    return missing
+def _cut(scratch, m, n, near, slack, same):
+    """Cut the faces, with a tolerance ``slack`` [m], and name the corners of the overlap, see
+    `overlap.name_corners`.
 
-
-@njit(cache=True)
-def _cut(scene, scratch, faces, p_is_a, m, n, near, slack):
-    """Cut the faces, with a tolerance ``slack`` [m], and name the corners of the overlap.
-
-    Returns the corners (half of the arrays, number); area, centroid and perimeter; and the number
-    of vertices that are `_missing`.
+    Returns the corners (half of the arrays, number), and area, centroid and perimeter.
     """
     reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon
-    name = scratch.name
-    corners = clip(incident, m, reference, n, slack, polygon, name)
-    half, count = corners
+    half, count = clip(incident, m, reference, n, slack, polygon, scratch.name)
     measures = measure(polygon, half, count)
-    name_corners(polygon, name, half, count, incident, m, reference, n, near)
-    return corners, measures, _missing(scene, scratch, faces, p_is_a, corners, m)
+    name_corners(polygon, scratch.name, half, count, incident, m, reference, n, near, same)
+    return (half, count), measures
 
 
 @njit(cache=True)
@@ -139,16 +118,11 @@ def _slope(normal, faces, work):
 def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     """Named corners of the overlap: half of the arrays, number, area [m2] and centroid (x, y)
     [m]."""
-    polygon, name, slack = scratch.polygon, scratch.name, SUMS * near / CLIP
-    corners, measures, missing = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
-    area = measures[0]
-    if area == 0.0 or missing > 0:
-        corners, measures, still = _cut(scene, scratch, faces, p_is_a, m, n, near, near)
-        if area > 0.0:
-            if still >= missing:
-                corners, measures, _ = _cut(scene, scratch, faces, p_is_a, m, n, near, slack)
-            area = measures[0]
-    (half, count), (_, cx, cy, perimeter) = corners, measures
+    polygon, name, same = scratch.polygon, scratch.name, SUMS * near / CLIP
+    corners, measures = _cut(scratch, m, n, near, same, same)
+    if measures[0] == 0.0:  # a line or a point, which may lie beyond the rim
+        corners, measures = _cut(scratch, m, n, near, near, near)
+    (half, count), (area, cx, cy, perimeter) = corners, measures
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)
         _mark_kept(scene, scratch, faces, p_is_a, corners, n, m)
@@ -159,28 +133,41 @@ def _overlap(scene, scratch, faces, p_is_a, m, n, near):
 
 
 @njit(cache=True)
-def _on_face(ring, corner, local, face, incident, m, x, y, value, k):
-    """Write the material point of the incident face that is projected to (x, y) into slot k."""
+def _on_face(ring, corner, local, face, backwards, polygon, m, x, y, value, k):
+    """Write the material point of a face that is projected to (x, y) into slot k.
+
+    The face is projected to a polygon of m corners, listed forwards or ``backwards``.
+    """
     i, j, far, widest = 1, 2, 0.0, 0.0  # corners i and j span the face best with corner 0
     for c in range(1, m):
-        ux, uy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        ux, uy = polygon[c, 0] - polygon[0, 0], polygon[c, 1] - polygon[0, 1]
         if ux * ux + uy * uy > far:
             i, far = c, ux * ux + uy * uy
     for c in range(1, m):
-        ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
-        vx, vy = incident[c, 0] - incident[0, 0], incident[c, 1] - incident[0, 1]
+        ux, uy = polygon[i, 0] - polygon[0, 0], polygon[i, 1] - polygon[0, 1]
+        vx, vy = polygon[c, 0] - polygon[0, 0], polygon[c, 1] - polygon[0, 1]
         if abs(ux * vy - uy * vx) > widest:
             j, widest = c, abs(ux * vy - uy * vx)
-    ux, uy = incident[i, 0] - incident[0, 0], incident[i, 1] - incident[0, 1]
-    vx, vy = incident[j, 0] - incident[0, 0], incident[j, 1] - incident[0, 1]
-    dx, dy = x - incident[0, 0], y - incident[0, 1]
+    ux, uy = polygon[i, 0] - polygon[0, 0], polygon[i, 1] - polygon[0, 1]
+    vx, vy = polygon[j, 0] - polygon[0, 0], polygon[j, 1] - polygon[0, 1]
+    dx, dy = x - polygon[0, 0], y - polygon[0, 1]
     det = ux * vy - uy * vx
     s, t = (dx * vy - dy * vx) / det, (ux * dy - uy * dx) / det
-    first = ring[face + 1] - 1  # the incident face is listed backwards
-    v0, v1, v2 = corner[first, 0], corner[first - i, 0], corner[first - j, 0]
+    v0 = _vertex(ring, corner, face, 0, backwards)
+    v1 = _vertex(ring, corner, face, i, backwards)
+    v2 = _vertex(ring, corner, face, j, backwards)
     for c in range(3):
         along = s * (local[v1, c] - local[v0, c]) + t * (local[v2, c] - local[v0, c])
         value[k, POINT_3 + c] = local[v0, c] + along
+
+
+@njit(cache=True)
+def _is_vertex(mark, point, i, reference, incident):
+    """Whether point i is at the vertex whose name it has."""
+    x, y, on_p, on_q = point[i, 0], point[i, 1], mark[i, OF_P], mark[i, OF_Q]
+    if mark[i, TYPE] == VERTEX_P:
+        return x == reference[on_p, 0] and y == reference[on_p, 1]
+    return mark[i, TYPE] == VERTEX_Q and x == incident[on_q, 0] and y == incident[on_q, 1]
 
 
 @njit(cache=True)
@@ -213,7 +200,8 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
     """Write the points of an overlap into slots from ``first`` on, without the values that
     `points.evaluate` adds."""
     ring, corner, local, plane = scene.ring, scene.corner, scene.local, scene.plane
-    incident, point, mark, weight = scratch.incident, scratch.point, scratch.mark, scratch.weight
+    reference, incident = scratch.reference, scratch.incident
+    point, mark, weight = scratch.point, scratch.mark, scratch.weight
     n_vertices, n_edges = local.shape[0], scene.edge.shape[0]
     k = first
     for i in range(n_points):
@@ -234,7 +222,8 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
             value[k, PLACE_3 + c] = local[origin, c]
             value[k, PLANE_NORMAL_3 + c] = plane[carrier, c]
             value[k, PLANE_TANGENT_3 + c] = plane[carrier, 3 + c]
-        if type_ == VERTEX_P or type_ == VERTEX_Q:
+        x, y = point[i, 0], point[i, 1]
+        if _is_vertex(mark, point, i, reference, incident):
             v = on_p if swapped else on_q
             for c in range(3):
                 value[k, POINT_3 + c] = local[v, c]
@@ -242,15 +231,16 @@ def _write_points(scene, scratch, face_p, face_q, p_is_a, n, m, n_points, first,
             j = mark[i, OF_Q]
             after = j + 1 if j + 1 < m else 0
             ex, ey = incident[after, 0] - incident[j, 0], incident[after, 1] - incident[j, 1]
-            share = (point[i, 0] - incident[j, 0]) * ex + (point[i, 1] - incident[j, 1]) * ey
+            share = (x - incident[j, 0]) * ex + (y - incident[j, 1]) * ey
             share = min(max(share / (ex * ex + ey * ey), 0.0), 1.0)
             v = _vertex(ring, corner, face_q, j, True)
             w = _vertex(ring, corner, face_q, after, True)
             for c in range(3):
                 value[k, POINT_3 + c] = local[v, c] + share * (local[w, c] - local[v, c])
+        elif swapped:
+            _on_face(ring, corner, local, face_p, False, reference, n, x, y, value, k)
         else:
-            x, y = point[i, 0], point[i, 1]
-            _on_face(ring, corner, local, face_q, incident, m, x, y, value, k)
+            _on_face(ring, corner, local, face_q, True, incident, m, x, y, value, k)
         k += 1
     return k
 

@@ -45,9 +45,8 @@ as the edges, within EDGES_MARGIN, because the faces may also overlap elsewhere.
 
 Persistence
 -----------
-A contact point remains one a little longer.  A vertex of the incident face counts as on the
-reference face up to CLIP widths beyond its rim, and a short side keeps both ends (see `overlap`).
-Otherwise a point at the rim, whose force moves it off, would exist in every second step.
+A point has the name of a vertex up to CLIP widths from it, and a short side keeps both ends (see
+`overlap`).  Otherwise a point whose force opens it would exist in every second step.
 
 Features are numbers: vertices of all parts, then edges, then faces, then points in between.
 """

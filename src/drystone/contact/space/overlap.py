@@ -8,9 +8,11 @@ The sides of the reference face cut the incident face (Sutherland and Hodgman). 
 area and centroid.  Flush faces would give a cluster of corners wherever two vertices meet, which
 changes with every rounding error.  So corners are named afterwards:
 
-1. A corner that is nearer than CLIP widths to a vertex of the incident face is this vertex.
-   Otherwise, if it is as near to a vertex of the reference face, it is that vertex.  Otherwise it
-   is a crossing of two sides.
+1. A corner that is nearer than CLIP widths to a vertex of the incident face has the name of this
+   vertex.  Otherwise, if it is as near to a vertex of the reference face, it has the name of that
+   vertex.  Otherwise it is a crossing of two sides.  Its place is its own in each case: if a corner
+   were moved to its vertex, the gap of tilted faces would jump as it gets its name, and a vertex
+   beyond the rim would carry.
 2. The shortest side is removed, as long as it is shorter than MERGE widths of the overlap.  One of
    its two ends remains.  If the faces tilt along the side by more than SIDE_SLOPE, the end remains
    where they are nearer: a side of one face that runs nearly along a side of the other crosses it
@@ -179,8 +181,17 @@ def _nearest(x, y, polygon, n, within):
 
 
 @njit(cache=True)
-def name_corners(corner, name, half, count, incident, m, reference, n, near):
-    """Step 1 of the module's text: corners that are ``near`` [m] to a vertex become this vertex."""
+def _take_place(corner, half, i, polygon, j, same):
+    """Move corner i to vertex j of a polygon if it is no farther than ``same`` [m]."""
+    x, y = polygon[j, 0], polygon[j, 1]
+    if (corner[half, i, 0] - x) ** 2 + (corner[half, i, 1] - y) ** 2 <= same * same:
+        corner[half, i, 0], corner[half, i, 1] = x, y
+
+
+@njit(cache=True)
+def name_corners(corner, name, half, count, incident, m, reference, n, near, same):
+    """Step 1 of the module's text: corners that are ``near`` [m] to a vertex get its name, and its
+    place if it is the ``same`` [m] but for rounding."""
     for i in range(count):
         if name[half, i, TYPE] == VERTEX_Q:
             continue
@@ -188,15 +199,14 @@ def name_corners(corner, name, half, count, incident, m, reference, n, near):
         j = _nearest(x, y, incident, m, near)
         if j >= 0:
             name[half, i, TYPE], name[half, i, OF_P], name[half, i, OF_Q] = VERTEX_Q, -1, j
-            corner[half, i, 0], corner[half, i, 1] = incident[j, 0], incident[j, 1]
+            _take_place(corner, half, i, incident, j, same)
             continue
         if name[half, i, TYPE] == CROSSING:
             j = _nearest(x, y, reference, n, near)
             if j >= 0:
                 name[half, i, TYPE], name[half, i, OF_P], name[half, i, OF_Q] = VERTEX_P, j, -1
         if name[half, i, TYPE] == VERTEX_P:
-            j = name[half, i, OF_P]
-            corner[half, i, 0], corner[half, i, 1] = reference[j, 0], reference[j, 1]
+            _take_place(corner, half, i, reference, name[half, i, OF_P], same)
 
 
 @njit(cache=True)
@@ -206,6 +216,15 @@ def _worse(name, half, i, j):
         if name[half, i, c] != name[half, j, c]:
             return name[half, i, c] > name[half, j, c]
     return i > j
+
+
+@njit(cache=True)
+def _same_name(name, half, i, j):
+    """Whether corners i and j have the name of one vertex."""
+    same = i != j
+    for c in range(3):
+        same = same and name[half, i, c] == name[half, j, c]
+    return same
 
 
 @njit(cache=True)
@@ -244,6 +263,8 @@ def merge_corners(corner, name, half, count, short, near, slope):
             ) ** 2
             if name[half, i, KEPT] and name[half, j, KEPT]:
                 d /= MERGED_AGAIN * MERGED_AGAIN
+            if _same_name(name, half, i, j):  # two crossings near one vertex
+                d = 0.0
             if d <= shortest:
                 shortest, at = d, i
         if at < 0:
