@@ -27,7 +27,7 @@ def dof_of(field):
 @njit(cache=True, error_model="numpy")
 def add_reaction(dof, rows, c, reaction, k, a, b, force):
     """Add the forces of contact c on its bodies a and b to ``force`` (n, n_dof), from row k of
-    ``reaction`` (n, dim) [N]; ``dof`` is `IN_PLANE` or `IN_SPACE`.
+    ``reaction`` (n, dim or more) [N]; ``dof`` is `IN_PLANE` or `IN_SPACE`.
     """
     nd = len(dof)
     rn, rt = reaction[k, 0], reaction[k, 1]
@@ -39,6 +39,30 @@ def add_reaction(dof, rows, c, reaction, k, a, b, force):
             on_b += reaction[k, 2] * rows[c, OF_SLIP + 1, nd + i]
         force[a, i] += on_a
         force[b, i] += on_b
+
+
+@njit(cache=True, error_model="numpy")
+def along(dof, rows, c, row, field, a, b):
+    """Scalar product of a row of contact c with the motion or velocity ``field`` (n, n_dof) of its
+    bodies a and b."""
+    nd = len(dof)
+    total = 0.0
+    for i in range(nd):
+        total += rows[c, row, i] * field[a, i] + rows[c, row, nd + i] * field[b, i]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def add_block(dof, block, a, b, pair, diagonal, upper, lower):
+    """Add the block (2 n_dof, 2 n_dof) of a contact of a ``pair``, by the motions of both bodies a
+    and b, to the blocks of a matrix."""
+    nd = len(dof)
+    for i in range(nd):
+        for j in range(nd):
+            diagonal[a, i, j] += block[i, j]
+            diagonal[b, i, j] += block[nd + i, nd + j]
+            upper[pair, i, j] += block[i, nd + j]
+            lower[pair, i, j] += block[nd + i, j]
 
 
 @njit(cache=True)

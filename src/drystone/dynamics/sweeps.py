@@ -21,7 +21,7 @@ import numpy as np
 
 from drystone.common.arrays import Array
 from drystone.common.compiled import njit
-from drystone.contact.contacts import BODY_A, BODY_B, PAIR, Contacts
+from drystone.contact.contacts import BODY_A, BODY_B, Contacts
 from drystone.contact.rows import OF_GAP, OF_SLIP, add_reaction
 
 
@@ -73,28 +73,6 @@ def push(dof, rows, c, impulse, k, a, b, inverse_mass, velocity):
             on_b += rows[c, i, nd + d] * impulse[k, i]
         velocity[a, d] += inverse_mass[a, d] * on_a
         velocity[b, d] += inverse_mass[b, d] * on_b
-
-
-@njit(cache=True)
-def relative(dof, rows, c, i, velocity, a, b):
-    """Relative velocity along row i of contact c, of its bodies a and b [m/s]."""
-    nd = len(dof)
-    u = 0.0
-    for d in range(nd):
-        u += rows[c, i, d] * velocity[a, d] + rows[c, i, nd + d] * velocity[b, d]
-    return u
-
-
-@njit(cache=True)
-def add_block(nd, block, which, c, diagonal, upper, lower):
-    """Add the block (2 n_dof, 2 n_dof) of contact c to the block matrix."""
-    a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
-    for i in range(nd):
-        for j in range(nd):
-            diagonal[a, i, j] += block[i, j]
-            diagonal[b, i, j] += block[nd + i, nd + j]
-            upper[pair, i, j] += block[i, nd + j]
-            lower[pair, i, j] += block[nd + i, j]
 
 
 @njit(cache=True)

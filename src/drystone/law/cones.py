@@ -53,7 +53,7 @@ from drystone.contact.contacts import (
     STIFF_N,
     STIFF_T,
 )
-from drystone.contact.rows import IN_SPACE
+from drystone.contact.rows import add_block
 
 #: Columns of a contact's variables, and of their changes: reactions; slack of the normal reaction;
 #: slip times k_s, its length and vector; slack of crushing; distance to the crushing strength
@@ -393,9 +393,10 @@ def aim(table, energy, second, trial, inner, change, scaling, reaction):
 
 
 @njit(cache=True, error_model="numpy")
-def tangent(problem, table, scaling, diagonal, upper, lower):
-    """Add H^T A diag(k_n, k_s, k_s) H of contacts without dilatancy to a block matrix [kg]."""
-    nd = len(IN_SPACE)
+def tangent(dof, problem, table, scaling, diagonal, upper, lower):
+    """Add H^T A diag(k_n, k_s, k_s) H of contacts without dilatancy to a block matrix [kg]; ``dof``
+    is `rows.IN_SPACE`."""
+    nd = len(dof)
     which, rows, _ = problem.contacts
     block = np.zeros((2 * nd, 2 * nd))
     for c in range(which.shape[0]):
@@ -410,12 +411,7 @@ def tangent(problem, table, scaling, diagonal, upper, lower):
             b1, b2 = a11 * y + a12 * z, a12 * y + a22 * z
             for j in range(2 * nd):
                 block[i, j] = b0 * rows[c, 0, j] + b1 * rows[c, 1, j] + b2 * rows[c, 2, j]
-        for i in range(nd):
-            for j in range(nd):
-                diagonal[a, i, j] += block[i, j]
-                diagonal[b, i, j] += block[nd + i, nd + j]
-                upper[pair, i, j] += block[i, nd + j]
-                lower[pair, i, j] += block[nd + i, j]
+        add_block(dof, block, a, b, pair, diagonal, upper, lower)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

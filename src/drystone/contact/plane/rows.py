@@ -162,21 +162,3 @@ def second_derivatives(kind, value, k, rn, rt, hess):
             hess[i, j] -= rt * radii / distance**2 * -(nj[i] * tj[j] + tj[i] * nj[j])
     hess[2, 2] -= rn * n_a + rt * value[k, RATIO] * t_a
     hess[5, 5] += rn * n_b + rt * value[k, RATIO] * t_b
-
-
-@njit(cache=True, error_model="numpy")
-def along(rows, c, row, field, a, b):
-    """Scalar product of a row of contact c with the motion ``field`` (n, n_dof) of its bodies a and
-    b."""
-    total = 0.0
-    for i in range(N_DOF):
-        total += rows[c, row, i] * field[a, i] + rows[c, row, N_DOF + i] * field[b, i]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def add_force(rows, c, rn, rt, a, b, force):
-    """Add the forces on bodies a and b of the reactions of contact c to ``force`` (n, n_dof)."""
-    for i in range(N_DOF):
-        force[a, i] += rn * rows[c, OF_GAP, i] + rt * rows[c, OF_SLIP, i]
-        force[b, i] += rn * rows[c, OF_GAP, N_DOF + i] + rt * rows[c, OF_SLIP, N_DOF + i]

@@ -6,9 +6,9 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
-from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
-from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
-from drystone.dynamics.sweeps import add_block, push, relative
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N
+from drystone.contact.rows import OF_GAP, OF_SLIP, add_block, along, contact_velocities
+from drystone.dynamics.sweeps import push
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING
 from drystone.law.impulse import branch_of_impulse, impulse_in, local_impulse, projected_impulse
 
@@ -53,9 +53,9 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
             c = order[i] if s % 2 == 0 else order[n - 1 - i]
             a, b = which[c, BODY_A], which[c, BODY_B]
             wnn, wnt, wtt = blocks[c, 0, 0], blocks[c, 0, 1], blocks[c, 1, 1]
-            bn = relative(dof, rows, c, OF_GAP, velocity, a, b)
+            bn = along(dof, rows, c, OF_GAP, velocity, a, b)
             bn = bn - wnn * impulse[c, 0] - wnt * impulse[c, 1]
-            bt = relative(dof, rows, c, OF_SLIP, velocity, a, b)
+            bt = along(dof, rows, c, OF_SLIP, velocity, a, b)
             bt = bt - wnt * impulse[c, 0] - wtt * impulse[c, 1]
             cnn = wnn + 1.0 / (table[c, STIFF_N] * h * h)
             bn += gap[c] / h
@@ -130,4 +130,5 @@ def penalty_law_tangent(dof, problem, h, penalty, piece, slip, diagonal, upper, 
             gt = rows[c, OF_SLIP, i] * spring
             for j in range(2 * nd):
                 block[i, j] = gn * rows[c, OF_GAP, j] + gt * rows[c, OF_SLIP, j]
-        add_block(nd, block, which, c, diagonal, upper, lower)
+        a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
+        add_block(dof, block, a, b, pair, diagonal, upper, lower)

@@ -89,7 +89,7 @@ class Interior:
         for block in tangent:
             block[:] = 0.0
         np.einsum("kii->ki", tangent.diagonal)[:] += self.system.mass
-        kernels.tangent(self.problem, joint, self.scaling, *tangent)
+        kernels.tangent(IN_SPACE, self.problem, joint, self.scaling, *tangent)
         if self.ties:
             self.ties.act(self.velocity)
             self.ties.stiffen(tangent)

@@ -6,10 +6,10 @@ import numpy as np
 
 from drystone.common.arrays import Array, IntArray
 from drystone.common.compiled import njit
-from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, STIFF_N
-from drystone.contact.rows import OF_GAP, OF_SLIP, contact_velocities
+from drystone.contact.contacts import BODY_A, BODY_B, FRICTION, PAIR, STIFF_N
+from drystone.contact.rows import OF_GAP, OF_SLIP, add_block, along, contact_velocities
 from drystone.dynamics.space.interior import Interior
-from drystone.dynamics.sweeps import add_block, push, relative
+from drystone.dynamics.sweeps import push
 from drystone.law.branches import FORWARD, OPEN, STICKING
 from drystone.law.impulse import (
     branch_of_impulse,
@@ -44,11 +44,11 @@ def sweep(dof, problem, blocks, h, order, n_sweeps, impulse, velocity):
             a, b = which[c, BODY_A], which[c, BODY_B]
             wnn, wnt, wtt = blocks[c, 0, 0], blocks[c, 0, 1], blocks[c, 1, 1]
             wn2, wt2, w22 = blocks[c, 0, 2], blocks[c, 1, 2], blocks[c, 2, 2]
-            bn = relative(dof, rows, c, OF_GAP, velocity, a, b)
+            bn = along(dof, rows, c, OF_GAP, velocity, a, b)
             bn = bn - wnn * impulse[c, 0] - wnt * impulse[c, 1]
-            bt = relative(dof, rows, c, OF_SLIP, velocity, a, b)
+            bt = along(dof, rows, c, OF_SLIP, velocity, a, b)
             bt = bt - wnt * impulse[c, 0] - wtt * impulse[c, 1]
-            b2 = relative(dof, rows, c, OF_SLIP + 1, velocity, a, b)
+            b2 = along(dof, rows, c, OF_SLIP + 1, velocity, a, b)
             b2 -= wn2 * impulse[c, 0] + wt2 * impulse[c, 1] + w22 * impulse[c, 2]
             bt -= wt2 * impulse[c, 2]
             bn += gap[c] / h - wn2 * impulse[c, 2]
@@ -139,4 +139,5 @@ def penalty_law_tangent(dof, problem, h, penalty, piece, slip, diagonal, upper, 
                 block[i, j] = gn * rows[c, OF_GAP, j] + (
                     g1 * rows[c, OF_SLIP, j] + g2 * rows[c, OF_SLIP + 1, j]
                 )
-        add_block(nd, block, which, c, diagonal, upper, lower)
+        a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
+        add_block(dof, block, a, b, pair, diagonal, upper, lower)

@@ -33,16 +33,17 @@ from drystone.contact.contacts import (
     Slots,
 )
 from drystone.contact.plane.narrow import Bodies, World, follow_contacts
-from drystone.contact.plane.rows import (
-    N_DOF,
-    add_force,
-    along,
-    gradients,
-    second_derivatives,
-    slot_rows,
-)
+from drystone.contact.plane.rows import N_DOF, gradients, second_derivatives, slot_rows
 from drystone.contact.plane.rows import slip as slip_of
-from drystone.contact.rows import MEASURED, OF_GAP, OF_SLIP
+from drystone.contact.rows import (
+    IN_PLANE,
+    MEASURED,
+    OF_GAP,
+    OF_SLIP,
+    add_block,
+    add_reaction,
+    along,
+)
 from drystone.law.columns import DILATION, SHEAR
 from drystone.law.plane import choose, respond
 from drystone.statics.balance import BodyForces, unbalance
@@ -180,7 +181,7 @@ def sum_forces(contacts, count, reaction, force):
     force[:, :] = 0.0
     for c in range(count):
         a, b = which[c, BODY_A], which[c, BODY_B]
-        add_force(rows, c, reaction[c, 0], reaction[c, 1], a, b, force)
+        add_reaction(IN_PLANE, rows, c, reaction, c, a, b, force)
 
 
 @njit(cache=True, error_model="numpy")
@@ -190,18 +191,27 @@ def rates(contacts, count, direction, found):
     which, rows = contacts.which, contacts.rows
     for c in range(count):
         a, b = which[c, BODY_A], which[c, BODY_B]
-        found[c, 0] = along(rows, c, OF_GAP, direction, a, b)
-        found[c, 1] = along(rows, c, MEASURED, direction, a, b)
+        found[c, 0] = along(IN_PLANE, rows, c, OF_GAP, direction, a, b)
+        found[c, 1] = along(IN_PLANE, rows, c, MEASURED, direction, a, b)
+
+
+@njit(cache=True, error_model="numpy")
+def trial_rates(table, rows, c, motion, a, b):
+    """Rates of the trial reactions of contact c between bodies a and b along a ``motion`` (n,
+    n_dof) of the bodies."""
+    gap = along(IN_PLANE, rows, c, OF_GAP, motion, a, b)
+    slip = along(IN_PLANE, rows, c, MEASURED, motion, a, b)
+    return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
 
 
 @njit(cache=True, error_model="numpy")
 def move_trial(which, rows, table, count, motion):
     """Continue the trial reactions in the table to first order by a ``motion`` (n, n_dof)."""
     for c in range(count):
-        a = which[c, BODY_A]
-        b = which[c, BODY_B]
-        table[c, TRIAL_N] -= table[c, STIFF_N] * along(rows, c, OF_GAP, motion, a, b)
-        table[c, TRIAL_T] -= table[c, STIFF_T] * along(rows, c, MEASURED, motion, a, b)
+        a, b = which[c, BODY_A], which[c, BODY_B]
+        rate_n, rate_t = trial_rates(table, rows, c, motion, a, b)
+        table[c, TRIAL_N] += rate_n
+        table[c, TRIAL_T] += rate_t
 
 
 @njit(cache=True, error_model="numpy")
@@ -230,19 +240,8 @@ def add_geometric_stiffness(slots, contacts, count, reaction, tangent):
             continue
         hess[:, :] = 0.0
         second_derivatives(meets[k, KIND], value, k, reaction[c, 0], reaction[c, 1], hess)
-        add_blocks(hess, which[c, BODY_A], which[c, BODY_B], which[c, PAIR], diagonal, upper, lower)
-
-
-@njit(cache=True, error_model="numpy")
-def add_blocks(hess, a, b, p, diagonal, upper, lower):
-    """Add the stiffness ``hess`` (2 N_DOF, 2 N_DOF) of a contact of pair p, by the motions of both
-    bodies a and b, to the blocks of a matrix."""
-    for i in range(N_DOF):
-        for j in range(N_DOF):
-            diagonal[a, i, j] += hess[i, j]
-            diagonal[b, i, j] += hess[N_DOF + i, N_DOF + j]
-            upper[p, i, j] += hess[i, N_DOF + j]
-            lower[p, i, j] += hess[N_DOF + i, j]
+        a, b, pair = which[c, BODY_A], which[c, BODY_B], which[c, PAIR]
+        add_block(IN_PLANE, hess, a, b, pair, diagonal, upper, lower)
 
 
 @njit(cache=True, error_model="numpy")
@@ -287,5 +286,5 @@ def assemble(contacts, count, pair_bodies, reaction, response, geometric, motion
             by_slip = rows[c, OF_GAP, i] * nt + rows[c, OF_SLIP, i] * tt
             for j in range(2 * N_DOF):
                 hess[i, j] = by_gap * rows[c, OF_GAP, j] + by_slip * rows[c, MEASURED, j]
-        add_force(rows, c, rn, rt, a, b, force)
-        add_blocks(hess, a, b, which[c, PAIR], diagonal, upper, lower)
+        add_reaction(IN_PLANE, rows, c, reaction, c, a, b, force)
+        add_block(IN_PLANE, hess, a, b, which[c, PAIR], diagonal, upper, lower)

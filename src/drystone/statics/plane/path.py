@@ -27,13 +27,11 @@ from drystone.contact.contacts import (
     BODY_B,
     FRICTION,
     INTERCEPT,
-    STIFF_N,
     STIFF_T,
     TRIAL_N,
     TRIAL_T,
 )
-from drystone.contact.plane.rows import along
-from drystone.contact.rows import MEASURED, OF_GAP
+from drystone.contact.rows import IN_PLANE, along
 from drystone.law.branches import BACKWARD, FORWARD, OPEN, STICKING, across_joint, both, sense
 from drystone.law.limits import limited_normal
 from drystone.law.pieces import all_dry, change, distance, distance_of_dry
@@ -46,6 +44,7 @@ from drystone.statics.plane.contacts import (
     add_geometric_stiffness,
     assemble,
     move_trial,
+    trial_rates,
 )
 
 #: How a path ends: at its target; at a fold before its target; at a change after which the matrix
@@ -121,14 +120,6 @@ N_PROGRESS = 11
 
 
 @njit(cache=True, error_model="numpy")
-def _rates(table, rows, c, field, a, b):
-    """Rates of the trial reactions of contact c between bodies a and b along a motion (n, n_dof)
-    of the bodies, the ``field``."""
-    gap, slip = along(rows, c, OF_GAP, field, a, b), along(rows, c, MEASURED, field, a, b)
-    return -table[c, STIFF_N] * gap, -table[c, STIFF_T] * slip
-
-
-@njit(cache=True, error_model="numpy")
 def _sliding_back(table, c, now, rate_n, rate_t):
     """Rate of a sliding contact along its branch [m], negative where it slides back."""
     if now <= BACKWARD:
@@ -167,7 +158,7 @@ def _next_change(contacts, count, branch, direction, ahead, whole, dry, last, le
             slowest = max(slowest, abs(direction[i, 0]), abs(direction[i, 1]))
         slowest *= -SLOW
     for c in range(count):
-        rate_n, rate_t = _rates(table, rows, c, direction, which[c, BODY_A], which[c, BODY_B])
+        rate_n, rate_t = trial_rates(table, rows, c, direction, which[c, BODY_A], which[c, BODY_B])
         rate_n *= ahead
         rate_t *= ahead
         rate[c, 0], rate[c, 1] = rate_n, rate_t
@@ -220,13 +211,13 @@ def _add_change(
     by_w = solve_bordered(bordered, w, 0.0) if prescribes else 0.0
     flat = w.reshape(-1)
     for old in range(new):
-        share = along(past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
+        share = along(IN_PLANE, past_v, old, 0, w, bodies[old, 0], bodies[old, 1]) / pivots[old]
         earlier = past[old].reshape(-1)
         for i in range(flat.shape[0]):
             flat[i] -= share * earlier[i]
         by_w -= share * way.change_of_multiplier[old]
     way.change_of_multiplier[new] = by_w
-    pivots[new] = 1.0 + along(past_v, new, 0, w, a, b)
+    pivots[new] = 1.0 + along(IN_PLANE, past_v, new, 0, w, a, b)
     return pivots[new]
 
 
@@ -444,7 +435,7 @@ def _bend(way, contacts, chosen, new, scale, direction, by_direction):
     """Correct the direction for the latest change; see `_add_change`."""
     which, w = contacts.which, way.changes[new]
     a, b = which[chosen, BODY_A], which[chosen, BODY_B]
-    share = scale * along(way.row, new, 0, direction, a, b) / way.pivot[new]
+    share = scale * along(IN_PLANE, way.row, new, 0, direction, a, b) / way.pivot[new]
     flat, by_change = direction.reshape(-1), w.reshape(-1)
     for i in range(flat.shape[0]):
         flat[i] = scale * flat[i] - share * by_change[i]
