@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.common.tolerances import LEAST_REDUCTION, MOST_REDUCTION
 from drystone.contact.contacts import (
     BODY_A,
     BODY_B,
@@ -20,7 +21,7 @@ from drystone.contact.contacts import (
 )
 from drystone.dynamics import nlgs
 from drystone.dynamics.sweeps import ContactProblem
-from drystone.law import cones
+from drystone.law import central_path, cones
 from drystone.law.cones import CAP, ETA, P1, P2, PN, V0, V1, V2, Z1, Z2, ZETA, V, W
 from drystone.linear.block_system import BlockSystem
 
@@ -169,6 +170,19 @@ def test_a_joint_that_dilates_is_put_back_with_its_slip():
     reaction, slack, zeta = moved[0, [PN, W, ZETA]]
     assert reaction - slack - raised * zeta == pytest.approx(trial[0, 0], rel=1e-9)
     assert reaction == pytest.approx(12.0 / (1.0 + 0.5 * raised), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("falls", "expected"), [(0.5, 0.125), (0.0, MOST_REDUCTION), (1.0, LEAST_REDUCTION)]
+)
+def test_the_barrier_aimed_at_is_the_cube_of_what_a_predictor_leaves(falls, expected):
+    """The slacks of contacts without friction fall by a share, and their energy as well."""
+    joint, (inner, change) = joints_of(5, 0.0), np.zeros((2, 5, cones.N_INNER))
+    inner[:, [PN, W]], change[:, W] = (3.0, 2.0), -2.0 * falls
+    energy = cones.scale(joint, inner, np.zeros((5, cones.N_SCALING)))
+    found = central_path.reduction(joint, inner, change, 1.0, energy)
+    assert found == pytest.approx(expected, rel=1e-12)
+    assert central_path.reduction(joint, inner, change, 1.0, 0.0) == 0.0  # no barrier is left
 
 
 def test_the_scaling_takes_slacks_to_impulses():

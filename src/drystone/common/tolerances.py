@@ -949,23 +949,9 @@ LEAST_NEWTON = 0.05
 #: times more, 3 % fewer iterations of eight solids, peaks by up to 1.3e-3.
 FIRST_BARRIER_OF_IMPULSES = 1e-3
 
-#: Length of the predictor above which its second-order terms are used.  Range, 0.25 and 0.9, of a
-#: solid by `nscd` (`solids` 8): iterations by 9 %, its peak by 4e-3.
-FAR_ENOUGH = 0.5
-
 #: Barrier over the first at which the branches can be told apart.  Range, ten times more or less,
 #: of a solid by `nscd` (`solids` 8): iterations by 9 %, its peak by 6e-3.
 NEAR_BARRIER = 1e-5
-
-#: Barrier that an iteration aims at, over the present one: at least, and at most.  Range of the
-#: first, ten times more or less, and of the second, 0.6 and 0.9, of a solid by `nscd` (`solids` 8):
-#: iterations by 12 %, its peak by 4e-3.
-LEAST_AIM = 1e-3
-MOST_AIM = 0.8
-
-#: Factor by which an iteration is shortened if a slip turns too far.  Range, 0.6 and 0.9, of a
-#: solid by `nscd` (`solids` 8): iterations by 8 %, its peak by 4e-3.
-SHORTENED = 0.8
 
 # Statics: what a step is solved to ---------------------------------------------------------------
 
@@ -1079,7 +1065,14 @@ RECENTRED_BARRIER = 1e-3
 PREDICTOR_RADIUS = 0.1
 SLIP_RADIUS = 10.0
 
-#: Least and largest barrier aimed at, over the present one.  Convention of Mehrotra's method.
+#: Length of the predictor above which its second-order terms are used; also in implicit steps.
+#: Range there, 0.25 and 0.9, of a solid by `nscd` (`solids` 8): iterations by 9 %, its peak by
+#: 4e-3.
+FAR_ENOUGH = 0.5
+
+#: Least and largest barrier aimed at, over the present one; also in implicit steps.  Convention of
+#: Mehrotra's method.  Range in implicit steps of the first, ten times more or less, and of the
+#: second, 0.6 and 0.9, of a solid by `nscd` (`solids` 8): iterations by 12 %, its peak by 4e-3.
 LEAST_REDUCTION = 1e-3
 MOST_REDUCTION = 0.8
 
@@ -1123,7 +1116,8 @@ NEUTRAL = 0.5
 #: Length of an iteration above which damping is reduced; and factor by which an iteration is
 #: shortened in which a slip changes its direction too far.  Range of the first, from 0.8 to 0.95:
 #: iterations of the solids by 0.2 %.  Of the second, from 0.6 to 0.9: by 2 %, but one peak, of
-#: several equilibria, by 1.4e-3; with 0.5 iterations by 50 %.
+#: several equilibria, by 1.4e-3; with 0.5 iterations by 50 %.  Of the second in implicit steps, 0.6
+#: and 0.9, of a solid by `nscd` (`solids` 8): iterations by 8 %, its peak by 4e-3.
 GOOD_LENGTH = 0.9
 LENGTH_SHORTER = 0.8
 

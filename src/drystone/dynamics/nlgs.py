@@ -439,11 +439,7 @@ class _Accelerator:
         return float(np.sqrt(np.sum(self.defect**2 * self.problem.inverse_mass)))
 
     def _fill_tangent(self, piece: IntArray) -> None:
-        tangent = self.system.tangent
-        for block in tangent:
-            block[:] = 0.0
-        diagonal = np.einsum("kii->ki", tangent.diagonal)
-        diagonal += self.mass
+        tangent = self.system.begin()
         self.form.penalty_law_tangent(
             self.dof, self.problem, self.h, self.penalty, piece, self.slip, *tangent
         )

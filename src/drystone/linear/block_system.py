@@ -32,6 +32,13 @@ class BlockSystem:
         self.structure = lu_symbolic.analyse(a, b, fixed, place, n_dof)
         self.factors = lu_numeric.allocate(self.structure)
 
+    def begin(self) -> Tangent:
+        """The blocks of the matrix [kg], with nothing in them but the mass of the bodies."""
+        for blocks in self.tangent:
+            blocks[:] = 0.0
+        np.einsum("kii->ki", self.tangent.diagonal)[:] = self.mass
+        return self.tangent
+
     def solve(self, momenta: Array) -> Array:
         """Velocities (n, n_dof) for momenta (n, n_dof) that are zero on fixed bodies.
 

@@ -24,7 +24,7 @@ from drystone.common import tolerances
 from drystone.common.arrays import Array
 from drystone.contact.contacts import INTACT, STIFF_N
 from drystone.geometry.motion import rotations, translations
-from drystone.law import cones
+from drystone.law import central_path, cones
 from drystone.statics.static_step import StaticStep
 
 #: Largest number of iterations in a full search; the same if a shorter step may be tried instead;
@@ -233,17 +233,12 @@ class InteriorPoint:
             step.damping[:] = np.maximum(tolerances.MORE_DAMPING * step.damping, tolerances.DAMPING)
             return 1.0 if step.damping[0] < tolerances.MOST_DAMPING else math.nan
         ahead = tolerances.PREDICTOR_RADIUS * energy
-        far = self._length(ahead, ahead)
-        reachable = cones.energy_at(joint, far, inner, change)
-        share = 0.0
-        if energy > 0.0:
-            most = tolerances.MOST_REDUCTION
-            left = min(reachable / energy, 1.0)  # larger values would give the same share
-            share = min(max(left**3, tolerances.LEAST_REDUCTION), most)
-        second = far >= 0.5
+        far = central_path.step_length(joint, inner, change, ahead, ahead)
+        share = central_path.reduction(joint, inner, change, far, energy)
+        second = far >= tolerances.FAR_ENOUGH
         by_multiplier = self._direction(share * energy, missing, second=second)
         ahead = share * energy
-        far = self._length(ahead, tolerances.SLIP_RADIUS * ahead)
+        far = central_path.step_length(joint, inner, change, ahead, tolerances.SLIP_RADIUS * ahead)
         far = self._limit_rotation(far)
         if not math.isfinite(by_multiplier) or not far > 0.0:
             return math.nan
@@ -284,16 +279,3 @@ class InteriorPoint:
         rates = step.by_motion[:n]
         step.by_contacts(go)
         return by_multiplier
-
-    def _length(self, radius: float, slip_radius: float) -> float:
-        """Length along the direction for which every contact stays near the central path.
-
-        ``radius`` and ``slip_radius`` [J] are the barriers that set the size of the neighbourhood,
-        for normal reactions and for the direction of slip.
-        """
-        step, n = self.step, self.step.n
-        joint, inner, change = step.table[:n], step.inner[:n], step.change[:n]
-        far, least = cones.length(joint, inner, change, radius)
-        while far > least and cones.slip_rotates_too_far(joint, far, inner, change, slip_radius):
-            far *= tolerances.LENGTH_SHORTER
-        return float(max(far, least))

@@ -14,18 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.common.arrays import Array
-from drystone.common.tolerances import (
-    FAR_ENOUGH,
-    FIRST_BARRIER_OF_IMPULSES,
-    LEAST_AIM,
-    MOST_AIM,
-    NEAR_BARRIER,
-    SHORTENED,
-)
+from drystone.common.tolerances import FAR_ENOUGH, FIRST_BARRIER_OF_IMPULSES, NEAR_BARRIER
 from drystone.contact.contacts import FRICTION, N_TABLE, STIFF_N, STIFF_T
 from drystone.contact.rows import IN_SPACE, contact_velocities
 from drystone.dynamics.sweeps import ContactProblem, momentum_defect
 from drystone.engines.tie_forces import TieImpulses
+from drystone.law import central_path
 from drystone.law import cones as kernels
 from drystone.linear.block_system import BlockSystem, SingularMatrixError
 
@@ -83,37 +77,24 @@ class Interior:
 
     def step(self) -> None:
         """One iteration."""
-        joint = self.joint
-        self.energy = kernels.scale(joint, self.inner, self.scaling)
-        tangent = self.system.tangent
-        for block in tangent:
-            block[:] = 0.0
-        np.einsum("kii->ki", tangent.diagonal)[:] += self.system.mass
+        joint, inner, change = self.joint, self.inner, self.change
+        self.energy = kernels.scale(joint, inner, self.scaling)
+        tangent = self.system.begin()
         kernels.tangent(IN_SPACE, self.problem, joint, self.scaling, *tangent)
         if self.ties:
             self.ties.act(self.velocity)
             self.ties.stiffen(tangent)
         self.system.factorise()
         self._solve(0.0, second=False)
-        far = self._length()
-        reachable = kernels.energy_at(joint, far, self.inner, self.change)
-        share = min(max((reachable / self.energy) ** 3, LEAST_AIM), MOST_AIM)
+        far = central_path.step_length(joint, inner, change)
+        share = central_path.reduction(joint, inner, change, far, self.energy)
         moved = self._solve(share * self.energy, second=far >= FAR_ENOUGH)
-        far = self._length()
-        self.inner += far * self.change
+        far = central_path.step_length(joint, inner, change)
+        inner += far * change
         self.velocity += far * moved
         self._renew()
         left = (1.0 - far) * self.energy + far * share * self.energy
-        kernels.centre_contacts(joint, left, False, self.trial, self.inner)
-
-    def _length(self) -> float:
-        """Step length for all contacts.  Pairs may leave their cones if they can be projected
-        back."""
-        joint, inner, change = self.joint, self.inner, self.change
-        far, least = kernels.length(joint, inner, change, 0.0)
-        while far > least and kernels.slip_rotates_too_far(joint, far, inner, change, 0.0):
-            far *= SHORTENED
-        return float(max(far, least))
+        kernels.centre_contacts(joint, left, False, self.trial, inner)
 
     def _solve(self, energy: float, *, second: bool) -> Array:
         joint = self.joint
