@@ -131,17 +131,15 @@ class Workspace:
 
     def unpack(self) -> None:
         """Write the present geometry, histories and reactions of contacts to the slots."""
-        found = self.contacts, self.n_contacts
-        self.form.locate(*found, self.loads, self.motion, self.slots, self.pairs)
-        explicit.unpack(*found, self.history, self.reaction, self.status)
+        self.prepared.detector.follow(self.pairs, self.motion.pose, self.slots, self.slots)
+        explicit.unpack(self.contacts, self.n_contacts, self.history, self.reaction, self.status)
 
     def gaps_before(self) -> Array:
         """Gaps of all slots at the beginning of the last cycle [m], (n_slots,)."""
-        motion, assembly = self.motion, self.prepared.assembly
-        pose = assembly.moved(motion.pose, -self.dt * motion.velocity)
-        before, slots = self._motion(pose, motion.velocity), self.slots.copied()
-        self.form.place(before)
-        self.form.locate(self.contacts, self.n_contacts, self.loads, before, slots, self.pairs)
+        motion, prepared = self.motion, self.prepared
+        before = prepared.assembly.moved(motion.pose, -self.dt * motion.velocity)
+        slots = self.slots.copied()
+        prepared.detector.follow(self.pairs, before, self.slots, slots)
         return np.asarray(slots.gap)
 
     def _motion(self, pose: Array, velocity: Array) -> Motion:

@@ -17,17 +17,12 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
-    ARM_A,
-    ARM_B,
     FEATURE_A,
     FEATURE_B,
-    GAP,
     INSIDE,
     KIND,
-    NORMAL,
     PART_A,
     PART_B,
-    RATIO,
     VERTEX_A,
     VERTICES,
     A,
@@ -83,44 +78,6 @@ def freeze(slots, bodies, pairs, contacts, n_contacts):
         shape[c, R_O] = radius_o
         shape[c, R_SUM] = radius_e + radius_o
         shape[c, ROUND] = 1.0 if meets[k, KIND] == VERTICES else 0.0
-
-
-@njit(cache=True)
-def locate(contacts, n_contacts, loads, motion, slots, pairs):
-    """Write the geometry of the contacts in the present poses to their slots."""
-    cosines, pose, centroid = motion.rotation.direction, motion.pose, loads.centroid
-    shape, pair, of_pair, value = contacts.shape, pairs.of_slot, pairs.which, slots.value
-    for c in range(n_contacts):
-        k, e, o = contacts.slot[c], contacts.edge[c], contacts.other[c]
-        ce, se, co, so = cosines[e, 0], cosines[e, 1], cosines[o, 0], cosines[o, 1]
-        ox = co * shape[c, OX] - so * shape[c, OY]
-        oy = so * shape[c, OX] + co * shape[c, OY]
-        ex = ce * shape[c, EX] - se * shape[c, EY]
-        ey = se * shape[c, EX] + ce * shape[c, EY]
-        xe, ye = centroid[e, 0] + pose[e, 0], centroid[e, 1] + pose[e, 1]
-        xo, yo = centroid[o, 0] + pose[o, 0], centroid[o, 1] + pose[o, 1]
-        dx = xo + ox - xe - ex
-        dy = yo + oy - ye - ey
-        if shape[c, ROUND] == 0.0:
-            nx = se * shape[c, TX] + ce * shape[c, TY]
-            ny = -(ce * shape[c, TX] - se * shape[c, TY])
-            value[k, GAP] = nx * dx + ny * dy - shape[c, R_SUM]
-            ex += dx
-            ey += dy
-        else:
-            distance = np.sqrt(dx * dx + dy * dy)
-            nx = dx / distance
-            ny = dy / distance
-            value[k, GAP] = distance - shape[c, R_SUM]
-            value[k, RATIO] = shape[c, R_SUM] / distance
-        if e == of_pair[pair[k], A]:
-            value[k, NORMAL], value[k, NORMAL + 1] = nx, ny
-            value[k, ARM_A], value[k, ARM_A + 1] = ex, ey
-            value[k, ARM_B], value[k, ARM_B + 1] = ox, oy
-        else:
-            value[k, NORMAL], value[k, NORMAL + 1] = -nx, -ny
-            value[k, ARM_A], value[k, ARM_A + 1] = ox, oy
-            value[k, ARM_B], value[k, ARM_B + 1] = ex, ey
 
 
 @njit(cache=True, inline="always")

@@ -35,19 +35,14 @@ import numpy as np
 from drystone.common.arrays import Array
 from drystone.common.compiled import njit
 from drystone.contact.contacts import (
-    ARM_A_3,
-    ARM_B_3,
     BALL_3,
-    GAP,
     KIND,
-    NORMAL_3,
     PART_A,
     PART_B,
     PLACE_3,
     PLANE_NORMAL_3,
     PLANE_TANGENT_3,
     POINT_3,
-    TANGENT_3,
     VERTEX_A,
     A,
     B,
@@ -132,33 +127,6 @@ def _rotated(added, body, x, y, z):
         added[body, 1, 0] * x + added[body, 1, 1] * y + added[body, 1, 2] * z,
         added[body, 2, 0] * x + added[body, 2, 1] * y + added[body, 2, 2] * z,
     )
-
-
-@njit(cache=True)
-def locate(contacts, n_contacts, loads, motion, slots, pairs):
-    """Write the geometry of the contacts in the present poses to their slots."""
-    pose, centroid, added = motion.pose, loads.centroid, motion.rotation.added
-    slot, edge, other, shape = contacts.slot, contacts.edge, contacts.other, contacts.shape
-    value = slots.value
-    rotated = np.empty((4, 3))
-    for c in range(n_contacts):
-        k, e, o, sense, ball = slot[c], edge[c], other[c], shape[c, SENSE], shape[c, BALL]
-        for i in range(4):  # POINT, PLACE, NORMAL, TANGENT
-            body, at = o if i == 0 else e, 3 * i
-            rotated[i] = _rotated(added, body, shape[c, at], shape[c, at + 1], shape[c, at + 2])
-        gap = shape[c, DESIGN_GAP]
-        arm_o, arm_e = (ARM_B_3, ARM_A_3) if sense > 0.0 else (ARM_A_3, ARM_B_3)
-        for d in range(3):
-            moved = pose[o, d] - pose[e, d] + (rotated[0, d] - rotated[1, d])
-            gap += rotated[2, d] * (shape[c, DESIGNED + d] + moved) + shape[c, NORMAL + d] * moved
-            normal = shape[c, NORMAL + d] + rotated[2, d]
-            arm = shape[c, POINT + d] + rotated[0, d] - ball * normal
-            apart = (centroid[o, d] - centroid[e, d]) + (pose[o, d] - pose[e, d])
-            value[k, NORMAL_3 + d] = sense * normal
-            value[k, TANGENT_3 + d] = sense * (shape[c, TANGENT + d] + rotated[3, d])
-            value[k, arm_o + d] = arm
-            value[k, arm_e + d] = apart + arm
-        value[k, GAP] = gap
 
 
 @njit(cache=True)
