@@ -75,7 +75,7 @@ def test_no_capacity_lies_above_the_bound_untold(made, seed):
     assert told is None or any(cause in told for cause in CAUSES), told
 
 
-@pytest.mark.parametrize("seed", [21, 61, 76, 81, 106, 116, 141])
+@pytest.mark.parametrize("seed", [61, 76, 81, 106, 141])
 def test_what_a_motion_carries_against_the_mechanism_is_below_the_bound(seed):
     """They lie above by 1e-4 to 4e-3: excesses set more in motion than has to move."""
     *_, told = above("space", seed)
