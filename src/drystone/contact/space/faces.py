@@ -85,16 +85,18 @@ def _mark_kept(scene, scratch, faces, p_is_a, corners, n, m):
 
 
 @njit(cache=True)
-def _cut(scratch, m, n, near, slack, same):
-    """Cut the faces, with a tolerance ``slack`` [m], and name the corners of the overlap, see
-    `overlap.name_corners`.
+def _cut(scratch, m, n, near, slack):
+    """Cut the faces, and name the corners of the overlap that are ``near`` [m] to a vertex.
+
+    Points up to ``slack`` [m] outside count as inside, and corners as near to a vertex as that are
+    the vertex; see `overlap.clip` and `overlap.name_corners`.
 
     Returns the corners (half of the arrays, number), and area, centroid and perimeter.
     """
     reference, incident, polygon = scratch.reference, scratch.incident, scratch.polygon
     half, count = clip(incident, m, reference, n, slack, polygon, scratch.name)
     measures = measure(polygon, half, count)
-    name_corners(polygon, scratch.name, half, count, incident, m, reference, n, near, same)
+    name_corners(polygon, scratch.name, half, count, incident, m, reference, n, near, slack)
     return (half, count), measures
 
 
@@ -118,10 +120,10 @@ def _slope(normal, faces, work):
 def _overlap(scene, scratch, faces, p_is_a, m, n, near):
     """Named corners of the overlap: half of the arrays, number, area [m2] and centroid (x, y)
     [m]."""
-    polygon, name, same = scratch.polygon, scratch.name, SUMS * near / CLIP
-    corners, measures = _cut(scratch, m, n, near, same, same)
+    polygon, name, slack = scratch.polygon, scratch.name, SUMS * near / CLIP
+    corners, measures = _cut(scratch, m, n, near, slack)
     if measures[0] == 0.0:  # a line or a point, which may lie beyond the rim
-        corners, measures = _cut(scratch, m, n, near, near, near)
+        corners, measures = _cut(scratch, m, n, near, near)
     (half, count), (area, cx, cy, perimeter) = corners, measures
     if count > 0:
         short = max(MERGE * width_of(area, perimeter), near)

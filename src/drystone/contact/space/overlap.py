@@ -221,7 +221,7 @@ def _worse(name, half, i, j):
 @njit(cache=True)
 def _same_name(name, half, i, j):
     """Whether corners i and j have the name of one vertex."""
-    same = i != j
+    same = True
     for c in range(3):
         same = same and name[half, i, c] == name[half, j, c]
     return same

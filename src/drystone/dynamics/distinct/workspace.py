@@ -56,7 +56,8 @@ class Workspace:
         self.status = state.status.copy()
         self.searched = state.searched.copy()
         self.form = state.prepared.form
-        self.motion = self._motion(state.pose, state.velocity)
+        rotations = self.form.Rotations.of(self.prepared.assembly.axes)
+        self.motion = Motion.of(state.pose, state.velocity, rotations)
         self.meter = np.zeros(explicit.N_METER)
         self.meter[explicit.MULTIPLIER] = state.multiplier
         self.acting = LoadArrays.of(self.prepared.problem, state.departed, state.stage)
@@ -141,9 +142,6 @@ class Workspace:
         slots = self.slots.copied()
         prepared.detector.follow(self.pairs, before, self.slots, slots)
         return np.asarray(slots.gap)
-
-    def _motion(self, pose: Array, velocity: Array) -> Motion:
-        return Motion.of(pose, velocity, self.form.Rotations.of(self.prepared.assembly.axes))
 
     def pack(self, *, weigh: bool) -> None:
         """Pack the contacts for cycles; with ``weigh``, also calculate masses and time step."""
