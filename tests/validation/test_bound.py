@@ -75,9 +75,13 @@ def test_no_capacity_lies_above_the_bound_untold(made, seed):
     assert told is None or any(cause in told for cause in CAUSES), told
 
 
-@pytest.mark.parametrize("seed", [61, 76, 81, 106, 141])
+#: With steps of 6, 20, 60 and 200 s it lies 0.14, 0.012, 0.036 and 0.06 % above.
+ABOVE_WITH_LONGER_STEPS = pytest.param(116, marks=pytest.mark.xfail(strict=True))
+
+
+@pytest.mark.parametrize("seed", [61, 76, 81, 106, ABOVE_WITH_LONGER_STEPS, 141])
 def test_what_a_motion_carries_against_the_mechanism_is_below_the_bound(seed):
-    """They lie above by 1e-4 to 4e-3: excesses set more in motion than has to move."""
+    """They lie above by 4e-4 to 1.6e-2: excesses set more in motion than has to move."""
     *_, told = above("space", seed)
     assert told is not None and "because it is read off a motion" in told
     model = random_solids(seed)
